@@ -36,7 +36,6 @@ from fsi.case.case import Case
 from fsi.case.sections import HIGHEST_DEGREE
 from fsi.errors import InputError, SolveError
 from fsi.integration.errors import ErrorEstimate
-from fsi.meshes.errors import MeshError
 from fsi.pores.instant import PoreInstant
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.solution import StokesSolution
@@ -128,7 +127,7 @@ class Tried:
         """Of this case, solved now, with the degree that it has if none is given."""
         try:
             return Tried(kind, seed, values(kind, seed, degree))
-        except (InputError, MeshError, SolveError) as error:
+        except (InputError, SolveError) as error:
             return Tried(kind, seed, [], str(error))
 
 

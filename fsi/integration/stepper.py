@@ -76,8 +76,7 @@ class Stepper:
 
     def start(self, q: Configuration, first_step: float | None = None) -> Step:
         """The step of length 0 that begins a run."""
-        instant = self.scheme.start(self.model, q)
-        U = velocities(instant)
+        instant, U = self.scheme.start(self.model, q)
         h = self._first_step(q, U) if first_step is None else first_step
         return Step(State(0.0, 0, q, U, h), instant, 0.0, 0)
 
@@ -194,8 +193,8 @@ class FixedStepper:
 
     def start(self, q: Configuration, first_step: float | None = None) -> Step:  # noqa: ARG002
         """The step of length 0 that begins a run; the length of all others is given."""
-        instant = self.scheme.start(self.model, q)
-        return Step(State(0.0, 0, q, velocities(instant), self.h), instant, 0.0, 0)
+        instant, U = self.scheme.start(self.model, q)
+        return Step(State(0.0, 0, q, U, self.h), instant, 0.0, 0)
 
     def advance(self, state: State) -> Step:
         """One step. Raises SolveError."""

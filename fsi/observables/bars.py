@@ -1,7 +1,8 @@
 """Error bars of an instant from the same one computed otherwise: with another degree, or other modes.
 
 The difference times a factor, which the model knows, bounds the error; it is at least what rounding leaves,
-and what chance may hide in one result of many. Where errors have several causes the bounds of each add up.
+of coordinates in narrow gaps above all, and what chance may hide in one result of many. Where errors have
+several causes the bounds of each add up.
 """
 
 import operator
@@ -15,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.bodies.gaps import find_gaps
+from fsi.bodies.surface_gap import narrowest_gap
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StepErrors, StressErrors
 from fsi.integration.state import Results
@@ -22,6 +25,9 @@ from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.quantities import found_flux, found_gradient
 from fsi.observables.resistance import KNOWN_TO
 from fsi.observables.truncation import ROUNDING, flow_scales, relative_change
+
+STEEPEST = 2.5  # power of a gap with which forces go, where gaps shut fluid in
+LEVER = 16.0  # of 40 discs in a corner of a box, gaps from 1e-8 to 1e-6 radii, 14 at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,11 +77,13 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     speed, force = scales.largest(results, arms)
     units = np.stack([speed / arms, force * arms])
     computed = np.stack([~motion.held, motion.held]) & case.modes
-    error = ROUNDING * units + sum(_bound(each, results, computed, units) for each in others)
+    rounding = rounding_of(bodies)
+    error = rounding * units + sum(_bound(each, results, computed, units) for each in others)
+    error[0] += turned_by_rounding(bodies, results)
     U, F = np.where(computed, error, 0.0)
     lost = getattr(results, "dissipation", nan)
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
-    dissipation = max(sum(off), ROUNDING * lost)  # nan of an infinite one
+    dissipation = max(sum(off), rounding * lost)  # nan of an infinite one
     every = (_of_viscosity(results, each) for each in others)
     of_viscosity = [part for part in every if part is not None]
     viscosity = sum(of_viscosity) if of_viscosity else None
@@ -90,6 +98,36 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
         relative["viscosity"] = viscosity / abs(mu)
     away = [each.factor * (_motion(each.results) - _motion(results)) for each in others]
     return StepErrors(errors, relative, np.sum(away, axis=0))
+
+
+def rounding_of(bodies: DrivenBodies) -> float:
+    """The part of a result that rounding makes.
+
+    Coordinates x across a gap are rounded to eps |x|, so that it is known to a part eps |x| / gap, and what
+    goes with a power of it to so many times this.
+    """
+    q, container = bodies.q, bodies.case.container().at(bodies.t, bodies.q.strain)
+    if (gap := narrowest_gap(q, container)) is None:
+        return ROUNDING
+    farthest = float(abs(gap.opposite @ gap.normal) + q.radii[gap.sides[0]])
+    return max(ROUNDING, STEEPEST * float(np.finfo(float).eps) * farthest / gap.width)
+
+
+def turned_by_rounding(bodies: DrivenBodies, results: Results) -> Array:
+    """The velocities that rounding gives to bodies on which large loads balance, (N, M).
+
+    A pressure with a load F acts through the centre of a disc, but for rounding: LEVER eps F a is left as a
+    torque. What turns beside a gap q of the plane resists by 2 sqrt(2) pi mu a^2 (a/q)^(1/2).
+    """
+    q, case = bodies.q, bodies.case
+    container = case.container().at(bodies.t, q.strain)
+    load = LEVER * np.finfo(float).eps * np.abs(results.F / q.arms).max(axis=1)
+    resistance = case.fluid.viscosity * (q.radii if case.spheres else np.ones(len(q)))
+    if not case.spheres:
+        narrow = np.minimum(find_gaps(q, container).smallest_of_each() / q.radii, 1.0)
+        resistance *= np.sqrt(8.0 / narrow) * np.pi
+    turned: Array = (load / resistance)[:, None] / q.arms
+    return turned
 
 
 def _motion(results: Results) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration, Inertia
+from fsi.bodies.resolved_gaps import require_resolved
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.errors import StepErrors
@@ -45,8 +46,10 @@ class PoreModel:
         self._known: tuple[Instant, StepErrors] | None = None
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> PoreInstant:
-        """The flow at q and t. Raises SolveError: no pores there, or a violated identity."""
-        return driven(DrivenBodies(self.case, q, t, self.case.motion_at(q, t)), self.fineness, inertia)
+        """The flow at q and t. Raises SolveError: a gap too narrow, no pores there, a violated identity."""
+        require_resolved(q, t, self.case.container().at(t, q.strain), self.case.names)
+        motion, inertia = self.case.motion_at(q, t).under(inertia)
+        return driven(DrivenBodies(self.case, q, t, motion), self.fineness, inertia)
 
     def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
         """The estimated errors of an instant of this model; estimated once, by one solve with other modes."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.bodies.opened import way_out
+from fsi.bodies.resolved_gaps import require_resolved
 from fsi.case.case import Case
 from fsi.integration.errors import StepErrors
 from fsi.integration.state import Results
@@ -57,13 +58,16 @@ class StokesModel:
             self._corners, self._edges = self.units.scaled_places(singular_corners(case)), ()
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
-        """The flow at q and t. Raises MeshError; SolveError: the solve fails or violates an identity."""
+        """The flow at q and t. Raises MeshError; SolveError: a gap too narrow, or the solve is refused."""
+        if self.case.domain.mesh is None:
+            require_resolved(q, t, self._around(q, t), self.case.names)
         clock, self._made = Clock(), (None, {})  # only what follows takes the same straight cells
         fluid = self._moved(q, t) if self._moving else self.scaled_mesh(q, t)
         clock.lap("mesh")
-        problem = replace(self.problem(fluid, q, t, self.case.motion_at(q, t)), inertia=inertia)
+        motion, inertia = self.case.motion_at(q, t).under(inertia)
+        problem = replace(self.problem(fluid, q, t, motion), inertia=inertia)
         workspace = self._workspace if self._moving else None
-        with explained(problem, self.case.names):
+        with explained(problem, self.case.names, self.units.origin):
             found = solve(self.units.scaled(problem), self.options, clock, workspace)
         return self.units.user_solution(found, problem)
 
@@ -99,7 +103,7 @@ class StokesModel:
         return model.of_degree(self.options.degree, q, t, motion)
 
     def _solved(self, problem: StokesProblem, degree: int, clock: Clock) -> StokesSolution:
-        with explained(problem, self.case.names):
+        with explained(problem, self.case.names, self.units.origin):
             found = solve(self.units.scaled(problem), replace(self.options, degree=degree), clock)
         return self.units.user_solution(found, problem)
 

@@ -13,28 +13,30 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from fsi.bodies.configuration import Array
 from fsi.bodies.surface_gap import narrowest_gap
 from fsi.errors import RefusedError, SolveError
 from fsi.stokes.problem import StokesProblem
+from fsi.stokes.units import place_of
 
 _NEAR = 0.1  # of a radius: there the origin is already
 _WIDE = 0.1  # of a radius: such a gap is not to blame
 
 
 @contextmanager
-def explained(problem: StokesProblem, names: Sequence[str], *, shift: bool = True) -> Iterator[None]:
+def explained(problem: StokesProblem, names: Sequence[str], origin: Array | None = None) -> Iterator[None]:
     """Raise a RefusedError from within as a SolveError that names the narrowest gap, and what to do.
 
-    problem: what is solved, in the user's units. names: of its bodies. shift: whether it would help to have
-    the origin elsewhere.
+    problem: what is solved, in the user's units. names: of its bodies. origin: where it is in the solve,
+    (d,); None where another one would not help.
     """
     try:
         yield
     except RefusedError as error:
-        raise SolveError(f"{error}; {_remedy(problem, names, shift=shift)}") from error
+        raise SolveError(f"{error}; {_remedy(problem, names, origin)}") from error
 
 
-def _remedy(problem: StokesProblem, names: Sequence[str], *, shift: bool) -> str:
+def _remedy(problem: StokesProblem, names: Sequence[str], origin: Array | None) -> str:
     """The narrowest gap, and what to do about it."""
     q, container = problem.q, problem.container
     found = narrowest_gap(q, container)
@@ -45,7 +47,8 @@ def _remedy(problem: StokesProblem, names: Sequence[str], *, shift: bool) -> str
     what = f"bodies: the narrowest gap, between {between}, is {found.width:.3g}; widen it"
     walls = zip(container.walls, container.plane, strict=True)
     stands = any(not plane and name not in container.far_walls for name, plane in walls)
-    if stands or not shift or np.linalg.norm(found.opposite) <= _NEAR * q.radii[i]:
+    place = place_of(found, q, container)
+    if stands or origin is None or np.linalg.norm(place - origin) <= _NEAR * q.radii[i]:
         return what
-    where = ", ".join(f"{x:.6g}" for x in found.opposite)
+    where = ", ".join(f"{x:.6g}" for x in place)
     return f"{what}, or shift all coordinates so that the origin is there, at ({where})"

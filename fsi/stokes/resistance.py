@@ -97,7 +97,7 @@ def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Re
     boundary = replace(problem.boundary, slip_lengths=case.wall_slip())
     problem = replace(problem, boundary=boundary, surfaces=surfaces_of(case).still)
     options = SolverOptions(degree, solver=case.discretisation.solver)
-    with explained(problem, case.names, shift=False):
+    with explained(problem, case.names):
         found = solve_resistance(model.units.scaled(problem), case.names, options, clock)
     return model.units.user_resistance(found, _modes_of(problem, case.names))
 
@@ -162,6 +162,6 @@ def _modes_of(problem: StokesProblem, names: Sequence[str]) -> Modes:
 def _defects(system: StokesSystem, nodal: NodalSolution) -> dict[str, float]:
     """What one unit motion violates of the identities, but for the balance of free modes: there are none."""
     system.forms.fill(nodal.x)
-    defects = identities(system, nodal, nodal.load, system.forms.integrate("dissipation"))
+    defects = identities(system, nodal, nodal.load, system.cells.dissipation())
     del defects["balance"]
     return defects

@@ -108,13 +108,13 @@ def _suffices(checks: Mapping[str, float]) -> bool:
 
 def _solved(system: StokesSystem, options: SolverOptions, clock: Clock) -> StokesSolution:
     """The solution of an assembled system; collective."""
-    solve_system, loads = with_laws(FORMULATIONS[options.formulation]), system.b
+    solve_system, jump_load = with_laws(FORMULATIONS[options.formulation]), np.zeros(system.layout.velocities)
     if system.problem.periodic:
-        system, nodal = solve_periodic(system, solve_system)
+        system, nodal, jump_load = solve_periodic(system, solve_system)
     else:
         (nodal,) = solve_system(system)
     clock.lap("solve")
-    return _evaluated(system, nodal, system.b - loads, clock)
+    return _evaluated(system, nodal, jump_load, clock)
 
 
 @contextmanager
@@ -227,12 +227,12 @@ def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
 def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clock: Clock) -> StokesSolution:
     """Everything that follows from nodal values: loads, checks, mean stress, and the flow for output.
 
-    jump_load: what jumps of the pressure added to the loads of the system.
+    jump_load: what jumps of the pressure between arcs of a body add to its loads, this rank's rows of u.
     """
     problem, forms = system.problem, system.forms
     forms.fill(nodal.x)
     level = pressure_level(system, nodal)
-    dissipation, more = forms.integrate("dissipation"), law_loads(system, nodal)
+    dissipation, more = system.cells.dissipation(), law_loads(system, nodal)
     of_laws = law_dissipation(system, nodal)
     checks, bulk = identities(system, nodal, nodal.load, dissipation), None
     if problem.periodic:
@@ -247,9 +247,9 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     surface = fields.surfaces(system, at_level(system, nodal.reaction, level.of_tractions))
     flow = fields.capture(forms, system.nodes.with_ghosts)
     # Integrals of sigma_h n, on all arcs in the pressure of one image.
-    integral = -jump_load
+    integral = np.zeros(system.layout.rows)
     on_bodies = facets_with(problem.fluid, 1, problem.fluid.bodies)
-    integral[: system.layout.velocities] += nodal_vector(forms.bind("traction", on_bodies))
+    integral[: system.layout.velocities] = nodal_vector(forms.bind("traction", on_bodies)) - jump_load
     traction_F = load_of(system, integral) + more
     clock.lap("checks")
     return StokesSolution(

@@ -15,9 +15,10 @@ so that a case in other units is the same case to the last bit, has the same mes
 Without bodies the size of the container is the unit of length.
 
 Doubles are dense at zero alone. In the plane gaps that shut fluid in make of a rounding of coordinates, 1e-16
-of their distance from the origin, a pressure that is larger by (a/q)^(5/2). So where a gap is below NARROW
-radii at the beginning, and the container can stand anywhere (a box without periods), x' = (x - x0) / a with
-the origin x0 in the narrowest gap. Differences of doubles so near to each other are exact.
+of their distance from the origin, a pressure that is larger by (a/q)^(5/2), and gmsh loses cells that halve
+towards a corner. So where the container can stand anywhere (a box without periods), x' = (x - x0) / a with
+the origin x0 in the narrowest gap, if that is below NARROW radii at the beginning, else in the middle of the
+box, if the user's is farther from it than its size. Differences of doubles so near to each other are exact.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.bodies.gaps import wall_gaps
-from fsi.bodies.surface_gap import narrowest_gap
+from fsi.bodies.surface_gap import SurfaceGap, narrowest_gap
 from fsi.case.case import Case
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
@@ -228,20 +229,31 @@ class Units:
 
 
 def _origin(case: Case) -> Array:
-    """Where the narrowest gap of a case is, (d,), if another origin is wanted and possible; else zero.
-
-    Of a body that is so near to several walls it is where they meet, in the fluid that is shut in there.
-    """
+    """In the narrowest gap of a case or the middle of its box, (d,), if wanted and possible; else zero."""
     q, container = case.configuration(), case.container()
     here = np.zeros(container.dimension)
     if case.domain.mesh is not None or container.seen_from(here) is None:
         return here
     narrowest = narrowest_gap(q, container)
-    if narrowest is None or narrowest.width > NARROW * q.radii.min():
-        return here
-    origin, i = narrowest.opposite[None], narrowest.sides[0]
+    if narrowest is not None and narrowest.width <= NARROW * q.radii.min():
+        here = place_of(narrowest, q, container)
+    elif container.distances(here[None]).min() < -container.size():
+        here = _on_axis(container.middle, container)
+    return here
+
+
+def place_of(gap: SurfaceGap, q: Configuration, container: Container) -> Array:
+    """Where the origin is best for a gap, (d,): on its second side.
+
+    Of a body that is so near to several walls it is where they meet, in the fluid that is shut in there.
+    """
+    origin, i = gap.opposite[None], gap.sides[0]
     near = wall_gaps(q, container)[i] <= NARROW * q.radii.min()
     for wall in np.flatnonzero(near):
         origin = origin - container.distances(origin)[0, wall] * container.normals(origin)[0, wall]
-    place: Array = origin[0]
-    return place
+    return _on_axis(origin[0], container)
+
+
+def _on_axis(place: Array, container: Container) -> Array:
+    """What is beside a place on the axis, if there is one, (d,): it cannot be moved."""
+    return place * [0.0, 1.0] if container.axisymmetric else place

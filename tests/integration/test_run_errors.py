@@ -114,12 +114,12 @@ def test_a_run_refines_to_half_its_tolerance(monkeypatch: pytest.MonkeyPatch) ->
 
 @pytest.mark.slow
 def test_bars_of_the_gap_of_a_run_hold(tmp_path: Path) -> None:
-    """A disc that settles, against the closed form: at these long steps up to 0.70 of the bar."""
+    """A disc that settles, against the closed form: at these long steps up to 0.41 of the bar."""
     case = load_case(CASES / "settling_disc.toml", [*COARSE, "time.end=3.0", "domain.radius=1e4"])
     run(case, tmp_path / "run")
     for row in columns(tmp_path / "run")[1:]:
         exactly = float(exact.settling_gap(float(row["t"]), 1.0, 1.0, 1.0, -4.0 * np.pi))
-        assert abs(float(row["smallest_gap"]) - exactly) < float(row["err_smallest_gap"]) < 3e-3
+        assert abs(float(row["smallest_gap"]) - exactly) < float(row["err_smallest_gap"]) < 3.5e-3
 
 
 @pytest.mark.slow

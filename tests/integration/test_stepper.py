@@ -225,8 +225,9 @@ class Estimated:
     def __init__(self, *errors: float) -> None:
         self.errors = list(errors)
 
-    def start(self, model: Model, q: Configuration) -> Instant:
-        return model(q, 0.0)
+    def start(self, model: Model, q: Configuration) -> tuple[Instant, Array]:
+        instant = model(q, 0.0)
+        return instant, instant.U
 
     def step(self, model: Model, state: State, t_end: float) -> Trial:
         q = state.q.moved((t_end - state.t) * state.U)

@@ -207,6 +207,21 @@ def test_a_velocity_is_known_to_a_part_of_what_loads_miss() -> None:
     assert errors.F[0] == pytest.approx([0.4, 0.0, 0.03 * 0.1 * 4.0])
 
 
+def test_a_bar_is_no_shorter_than_what_rounding_makes_of_a_gap() -> None:
+    """1e-6 at a distance of 300 from the origin is known to eps 301 / 1e-6, and a force to 2.5 times this."""
+    data = {
+        "name": "t",
+        "fluid": {"viscosity": 1.0},
+        "domain": {"lower": [300.0, -4.0], "upper": [309.0, 4.0]},
+    }
+    body = {"name": "disc", "radius": 1.0, "position": [301.000001, 2.0], "velocity": [1.0, 0.0]}
+    case = parse_case(data | {"bodies": [body]})
+    same = ExactInstant(np.array([[1.0, 0.0, 0.0]]), np.array([[4.0, 0.0, 0.0]]))
+    bodies = DrivenBodies(case, case.configuration(), 0.0, case.motion(0.0))
+    errors = step_errors(bodies, same, Compared(same, 1.0)).errors
+    assert errors.F[0, 0] == pytest.approx(4.0 * 2.5 * 2.22e-16 * 301.0 / 1e-6, rel=1e-2)
+
+
 @pytest.mark.slow
 def test_bars_in_space_hold() -> None:
     """Two with sliding lids had bars 2.3 and 4.1 times too small with one mesh for all flows.

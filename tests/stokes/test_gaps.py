@@ -1,11 +1,17 @@
 """Gaps down to 1e-8 radii: forces against closed forms, and with how many unknowns; see `bench/gaps.py`."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from bench.gaps import CASES, PROBLEMS, measured
 from fsi.case.case import Case
-from fsi.case.load import load_case
+from fsi.case.load import load_case, parse_case
+from fsi.errors import SolveError
+from fsi.postprocess.run.run import open_run
+from fsi.runs import run
+from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
 
@@ -23,6 +29,65 @@ def test_forces_in_gaps_of_1e_8_radii(name: str) -> None:
         error, unknowns, _ = measured(problem, gap)
         assert abs(error) < 1e-5
         assert unknowns < 2 * at_ease
+
+
+# 4 pi C of the stream function in bipolar coordinates (Jeffery 1922, Proc. R. Soc. A 101:169), to 60 digits.
+SQUEEZED = {1.99999: 774332847.28703520, 1.999999: 24486317742.952324, 1.9999999: 774324605850.37329}
+
+
+@pytest.mark.parametrize("x", SQUEEZED)
+def test_the_force_and_its_bar_beside_a_round_wall(x: float) -> None:
+    """Rounded where they stand, cells lose digits by their distance from the origin: 4e-7 at a gap of 1e-7.
+
+    Both degrees lose the same, and the bar was a third of that and less.
+    """
+    body = {
+        "name": "disc",
+        "radius": 1.0,
+        "position": [x, 0.0],
+        "velocity": [1.0, 0.0],
+        "angular_velocity": 0.0,
+    }
+    round_wall = {"shape": "round", "radius": 3.0}
+    data = {"name": "t", "fluid": {"viscosity": 1.0}, "domain": round_wall, "bodies": [body]}
+    found = solve_with_errors(parse_case(data))
+    F, error = abs(found.solution.F[0, 0]), found.errors.F[0, 0]
+    assert pytest.approx(SQUEEZED[x], rel=5e-9) == F
+    assert abs(F - SQUEEZED[x]) < error < 1e-7 * F
+
+
+@pytest.mark.parametrize(("gap", "degree"), [(1e-8, 3), (5.4e-8, 3), (4.1289e-7, 2)])
+def test_a_disc_pushed_into_a_corner_turns_by_less_than_its_bar(gap: float, degree: int) -> None:
+    """By symmetry it does not turn, but for the open top, by 1e-6 (finer meshes). Rounding turns it.
+
+    By eps V / q^2 as a pressure of q^(-5/2) leaves a torque against a resistance of q^(-1/2); of 40 discs by
+    up to 9.8 bars of the difference of two degrees.
+    """
+    coarse = [
+        f"discretisation.degree={degree}",
+        "discretisation.cells_per_circle=20",
+        "discretisation.growth=0.5",
+    ]
+    box = ["domain.upper=[4.0, 4.0]", "domain.walls.top='open'"]
+    pushed = ["bodies.0.velocity=[-0.01, -0.01]", "bodies.0.angular_velocity='free'"]
+    found = solve_with_errors(in_corner(gap, *box, *coarse, *pushed))
+    turn, error = abs(found.solution.U[0, 2]), found.errors.U[0, 2]
+    assert turn < error + 1e-6
+    assert error < 100.0 * np.finfo(float).eps * 0.01 / gap**2
+
+
+def test_a_run_ends_where_a_gap_is_no_longer_resolved(tmp_path: Path) -> None:
+    """A velocity that closes the gap: from 1.2e-8 on omega and V_x were rounding, with exit code 0."""
+    places = ["bodies.0.position=[0.0, 1.000000015]", "bodies.0.velocity=['free', -1.0]"]
+    time = ["time.end=1e-8", "time.gap_loss=0.7", "output.fields=false"]
+    box = ["domain.lower=[-4.0, 0.0]", "domain.upper=[4.0, 6.0]"]
+    case = load_case(CASES / "disc_in_box.toml", [*places, *box, *time])
+    with pytest.raises(
+        SolveError, match=r"^bodies: at t = \S+ the gap between 'disc' and 'bottom' is \S+, \S+ radii"
+    ):
+        run(case, tmp_path / "run")
+    gaps = open_run(tmp_path / "run").steps["smallest_gap"].to_numpy()
+    assert gaps.min() >= 0.9e-8
 
 
 def in_corner(gap: float, *motion: str) -> Case:

@@ -69,7 +69,7 @@ def test_the_flux_is_that_of_fluid_and_bodies() -> None:
     box, q = Box((0.0, 0.0), (LENGTH, HEIGHT), periodic=("x",)), discs([(7.9, 2.0)], [1.5])
     found = in_channel(box, q, force_free(q), -0.3)
     with assembled(found.problem, DEFAULT, Clock()) as system:
-        loaded, nodal = solve_periodic(system, FORMULATIONS[DEFAULT.formulation])
+        loaded, nodal, _ = solve_periodic(system, FORMULATIONS[DEFAULT.formulation])
         mean = float(Averages(loaded).velocity(nodal, np.zeros((2, 2)))[0])
     assert found.flux == pytest.approx(HEIGHT * mean, rel=1e-6)
     assert found.flux == pytest.approx(found.dissipation / (0.3 * LENGTH), rel=1e-10)

@@ -112,6 +112,7 @@ def test_a_channel_does_not_know_where_it_begins() -> None:
 def test_a_channel_that_is_opened_through_a_narrow_gap_does_not_know_where(gap: float, among: str) -> None:
     """Velocities within the bars, of 1e-7, of those of the same bodies 1.3 on; the cut goes with the bodies.
 
+    4 from the origin gaps of 1e-8 are known to 1e-7, and rotations of the small disc to 2.5 times 2 of it.
     Nodes on the cut are as near to each other as 1e-10 of the period.
     """
     at = [5.0, 1.0 + gap], [7.0, 4.7], [9.0, 2.0]
@@ -121,7 +122,7 @@ def test_a_channel_that_is_opened_through_a_narrow_gap_does_not_know_where(gap: 
     here, there = (sheared_channel([(x + by, y) for x, y in at], [1.0, 1.0, 0.5]) for by in (0.0, 1.3))
     assert here.errors is not None
     assert there.errors is not None
-    assert here.errors.U.max() < 2e-7
+    assert here.errors.U.max() < (2e-7 if gap > 1e-8 else 6e-7)
     assert np.all(np.abs(here.instant.U - there.instant.U) <= here.errors.U + there.errors.U)
 
 
@@ -144,6 +145,17 @@ def test_a_cell_does_not_know_where_it_begins() -> None:
         here, there = (in_cell(cell, shifted(THREE, by)).U for by in ((0.0, 0.0), s))
         here[:, :2] += s @ np.array(gradient).T
         assert_allclose(there, here, rtol=0, atol=2e-6)
+
+
+def test_the_mean_flow_of_a_cell_does_not_know_how_far_the_origin_is() -> None:
+    """2048 periods away bodies move alike: coordinates are rounded to 2e-12, which moves the mesh, by 4e-9.
+
+    A mean over the volume of the domain, which the mesh misses, would be wrong by 1.5e-7.
+    """
+    cell, y = square(5.0, 1.0), 10240.0
+    here, there = in_cell(cell, THREE).U, in_cell(cell, shifted(THREE, (0.0, y))).U
+    there[:, 0] -= y
+    assert_allclose(there, here, rtol=0, atol=3e-8)
 
 
 def test_images_of_bodies_are_the_same_bodies() -> None:

@@ -2,10 +2,12 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
 import fsi.meshes.build
@@ -51,10 +53,13 @@ ORIGIN = re.compile(GAP + r", or shift all coordinates so that the origin is the
 def test_a_refused_solve_names_the_gap_and_remedies_that_work() -> None:
     """Far from the origin rounding is a part of the gap; widened, or with the origin there, it goes.
 
-    The origin was placed for a gap that was wide at the beginning, as in a run.
+    The origin was placed for a gap that was wide at the beginning, as in a run; here it is as far as in a
+    long box.
     """
+    model = StokesModel(in_corner(-800.0, gap=1e-3))
+    model.units = replace(model.units, origin=np.zeros(2))
     with pytest.raises(SolveError) as refused:
-        StokesModel(in_corner(-800.0, gap=1e-3))(in_corner(-800.0).configuration(), 0.0)
+        model(in_corner(-800.0).configuration(), 0.0)
     found = ORIGIN.search(str(refused.value))
     assert found is not None
     solved(in_corner(-800.0, gap=1e-3))
@@ -67,7 +72,25 @@ def test_the_origin_of_a_round_container_cannot_be_shifted() -> None:
     case = parse_case({"name": "t", "fluid": {"viscosity": 1.0}, "domain": ROUND, "bodies": [body]})
     problem = StokesModel(case)(case.configuration(), 0.0).problem
     remedy = r"^no; bodies: .* 'disc' and 'far', is 0\.01; widen it$"
-    with pytest.raises(SolveError, match=remedy), explained(problem, case.names):
+    with pytest.raises(SolveError, match=remedy), explained(problem, case.names, np.zeros(2)):
+        raise RefusedError("no")
+
+
+@pytest.mark.parametrize(
+    ("corner", "origin", "remedy"),
+    [
+        ((30.0, 20.0), (0.0, 0.0), r"shift all coordinates so that the origin is there, at \(30, 20\)$"),
+        ((30.0, 20.0), (30.0, 20.0), r"widen it$"),
+        ((0.0, 0.0), (0.0, 0.0), r"widen it$"),
+    ],
+)
+def test_the_origin_is_wanted_in_the_corner_that_shuts_fluid_in(
+    corner: tuple[float, float], origin: tuple[float, float], remedy: str
+) -> None:
+    """Not at the point of a wall beside the disc, here (30, 21); and not again where it is."""
+    case = in_corner(*corner, gap=4e-6)
+    problem = cast(Any, SimpleNamespace(q=case.configuration(), container=case.container()))
+    with pytest.raises(SolveError, match=remedy), explained(problem, case.names, np.array(origin)):
         raise RefusedError("no")
 
 

@@ -2,14 +2,12 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
+from fsi.bodies.gaps import nearest_gaps
+from fsi.bodies.resolved_gaps import LEAST, ROUNDING
 from fsi.case.case import Case
 from fsi.case.section import nearest_word, refusal, toml_text
 from fsi.case.series import Table, jumps
 from fsi.errors import InputError
-
-SMALLEST_CONTACT = 1e-8  # over the smallest radius
 
 
 def check_time(case: Case) -> None:
@@ -34,16 +32,28 @@ def check_time(case: Case) -> None:
 
 
 def _check_contact(case: Case) -> None:
-    """A viscous fluid takes part in what is extrapolated, and the gap is one that is resolved."""
+    """A viscous fluid takes part in what is extrapolated; the gap closes to it, and that is resolved.
+
+    The step that comes to it closes more of the gap, and its end must be resolved too.
+    """
     least = case.timing.contact_gap
     if least is None:
         return
     here = f"time.contact_gap = {least!r}"
     if not case.level.viscous:
         raise InputError(f'{here}: model = "{case.model}" has contacts of its own; drop it')
-    smallest = SMALLEST_CONTACT * float(case.configuration().radii.min(initial=np.inf))
-    if case.bodies and least < smallest:
-        raise InputError(f"{here}: below 1e-8 radii, the least gap that is resolved; give {smallest:.3g}")
+    if not case.bodies:
+        return
+    smallest = LEAST * float(case.configuration().radii.min())
+    smallest /= 1.0 - case.timing.gap_loss if case.level.flow else 1.0
+    if least < (1.0 - ROUNDING) * smallest:
+        what = "a step from it ends below 1e-8 radii, the least gap that is resolved"
+        raise InputError(f"{here}: {what}; give {smallest:.3g}")
+    start = nearest_gaps(case.configuration(), case.container()).smallest()
+    if least >= start:
+        raise InputError(
+            f"{here}: the smallest gap at the start is {start:.6g}, no wider; give a smaller one"
+        )
 
 
 def _check_scheme(case: Case) -> None:

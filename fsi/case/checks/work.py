@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from fsi.bodies.gaps import Gaps, find_gaps
+from fsi.bodies.resolved_gaps import too_narrow
 from fsi.case.case import Case
 from fsi.case.gluey import LimitStudy
 from fsi.case.section import CaseContext
@@ -26,8 +27,6 @@ from fsi.machine.resources import memory, require_disk, require_memory, size
 from fsi.meshes.estimate import Narrows, cells_of
 from fsi.meshes.resolution import Resolution
 
-# Over the smaller radius; a little below 1e-8, the least that is resolved, as a gap is a difference.
-SMALLEST_GAP = 0.9e-8
 _SURE = 3.0  # what an estimate may be off by
 # Measured on the shipped cases: bytes and CPU seconds of a solve for each unknown, in the plane and in space.
 _BYTES, _SECONDS = {2: 4.5e3, 3: 12e3}, {2: 14e-6, 3: 90e-6}
@@ -48,11 +47,11 @@ def check_work(case: Case) -> str | None:
     """
     resolved = case.level.meshed and case.domain.mesh is None
     if resolved or (case.level.flow and not case.level.meshed):
-        gaps = find_gaps(case.configuration(), case.container())
-        _check_gaps(case, gaps)
-    count = _check_mesh(case, gaps) if resolved else _check_bodies(case)
-    steps = _check_steps(case, count if resolved else 0.0)
-    _check_studies(case)
+        _check_gaps(case)
+    count = _check_mesh(case) if resolved else _check_bodies(case)
+    steps, _ = _steps(case)
+    most = max((case.limit or LimitStudy()).steps)
+    require_memory(f"limit.steps = {most}", most * _LIMIT_STEP, "give fewer")
     each = _SECONDS[case.dimension] if resolved else _of_body(case, _PORE_SECONDS, _BODY_SECONDS)
     minutes = max(steps, 1.0) * count * each / 60.0
     if minutes < _LONG:
@@ -61,28 +60,15 @@ def check_work(case: Case) -> str | None:
     return f"{what}: some {minutes:.2g} minutes or more"
 
 
-def _check_gaps(case: Case, gaps: Gaps) -> None:
+def _check_gaps(case: Case) -> None:
     """No gap is narrower than what is resolved."""
-    radii, names, (i, j) = case.configuration().radii, case.names, gaps.pairs.T
-    found = [
-        (gap / min(radii[a], radii[b]), gap, f"{names[a]!r} and {names[b]!r}")
-        for a, b, gap in zip(i, j, gaps.pair_gaps, strict=True)
-    ]
-    found += [
-        (gap / radii[a], gap, f"{names[a]!r} and {wall!r}")
-        for a, row in enumerate(gaps.wall_gaps)
-        for wall, gap in zip(case.container().walls, row, strict=True)
-    ]
-    relative, gap, between = min(found, default=(1.0, 1.0, ""))
-    if relative < SMALLEST_GAP:
-        raise InputError(
-            f"bodies: the gap between {between} is {gap:.3g}, {relative:.2g} radii, below the 1e-8 that are "
-            'resolved; widen it or give model = "reduced"'
-        )
+    if (what := too_narrow(case.configuration(), case.container(), case.names)) is not None:
+        raise InputError(f'bodies: {what}; widen it or give model = "reduced"')
 
 
-def _check_mesh(case: Case, gaps: Gaps) -> float:
+def _check_mesh(case: Case) -> float:
     """The unknowns of a resolved case."""
+    gaps = find_gaps(case.configuration(), case.container())
     given = case.discretisation
     n = _unknowns(case, gaps, given)
     need = bytes_of(case, n)
@@ -153,28 +139,35 @@ def _of_body(case: Case, of_pores: Sequence[float], of_others: float) -> float:
     return float(np.interp(case.pores.modes, _MODES, of_pores)) if case.model == "pores" else of_others
 
 
-def _check_steps(case: Case, unknowns: float) -> float:
-    """The least number of steps, of which the disk must hold the files."""
+def _steps(case: Case) -> tuple[float, float]:
+    """The least number of steps, and of those that are written; none without [time]."""
     time = case.time
     if time is None:
-        return 0.0
+        return 0.0, 0.0
     fixed = not case.level.viscous or case.scheme.fixed
     steps = time.end / time.step if fixed and time.step is not None else 0.0
     interval = case.output.interval
     outputs = steps if interval is None else time.end / interval
-    rows = (_ROW + _BODY_ROW * len(case.bodies)) * max(steps, outputs)
-    files = (_FIELD * unknowns + 2 * _ROW * len(case.bodies)) * outputs if case.output.fields else 0.0
-    few = outputs <= steps and interval is None
-    key = f"time.step = {time.step}" if few or rows > files else f"output.interval = {interval}"
-    what = f"{key}: {max(steps, outputs):.2g} steps to time.end = {time.end:g}"
-    require_disk(what, (rows + files) / _SURE, "give longer ones", Path())
-    return max(steps, outputs)
+    return max(steps, outputs), outputs
 
 
-def _check_studies(case: Case) -> None:
-    """What `fsi calibrate` and `fsi limit` would do."""
+def require_room(case: Case, folder: Path) -> None:
+    """Raise InputError where the files of a run, with [time], have no room on the disk of its folder."""
+    if (time := case.time) is None:
+        return
+    (steps, outputs), each, unknowns = _steps(case), 2 * _ROW * len(case.bodies), 0.0
+    if case.level.meshed and case.domain.mesh is None:
+        unknowns = _unknowns(case, find_gaps(case.configuration(), case.container()), case.discretisation)
+    rows = (_ROW + _BODY_ROW * len(case.bodies)) * steps
+    files = (_FIELD * unknowns + each) * outputs if case.output.fields else 0.0
+    few = case.output.interval is None
+    key = f"time.step = {time.step}" if few or rows > files else f"output.interval = {case.output.interval}"
+    what = f"{key}: {steps:.2g} steps to time.end = {time.end:g}"
+    require_disk(what, (rows + files) / _SURE, "give longer ones", folder)
+
+
+def require_room_for_samples(case: Case, folder: Path) -> None:
+    """Raise InputError where the samples of a calibration have no room on the disk of their folder."""
     if case.calibration is not None:
         what = f"calibration.samples = {case.calibration.samples}: so many solves"
-        require_disk(what, case.calibration.samples * _SAMPLE, "give fewer", Path())
-    most = max((case.limit or LimitStudy()).steps)
-    require_memory(f"limit.steps = {most}", most * _LIMIT_STEP, "give fewer")
+        require_disk(what, case.calibration.samples * _SAMPLE, "give fewer", folder)

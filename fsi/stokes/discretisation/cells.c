@@ -33,7 +33,8 @@ INLINE double inverted(int d, const double *J, double *I)
   return det;
 }
 
-/* dX/dx = J^-1 where the map of a cell has these derivatives, (d, points); det J. */
+/* dX/dx = J^-1 where the map of a cell has these derivatives, (d, points); det J. They add up to 1e-14, not to 0: of
+   coordinates as seen from a corner of the cell nothing is lost, of those far away all of a narrow gap. */
 INLINE double map_back(const Cells *c, const double *X, const double *derivatives, double *I)
 {
   const int d = c->dimension;
@@ -41,8 +42,58 @@ INLINE double map_back(const Cells *c, const double *X, const double *derivative
   for (int i = 0; i < d; i++)
     for (int a = 0; a < d; a++)
       for (int k = 0; k < c->points; k++)
-        J[i * d + a] += X[3 * k + i] * derivatives[a * c->points + k];
+        J[i * d + a] += (X[3 * k + i] - X[i]) * derivatives[a * c->points + k];
   return inverted(d, J, I);
+}
+
+/* What a point of quadrature counts for in a cell; dX/dx there, and with an axis r, of which it has the factor 2 pi r. */
+INLINE double at_point(const Cells *c, const double *X, int q, double *I, double *r)
+{
+  const double *of_map = c->of_map + q * (1 + c->dimension) * c->points;
+  const double weight = c->weights[q] * fabs(map_back(c, X, of_map + c->points, I));
+  *r = 0.0;
+  if (!c->axisymmetric)
+    return weight;
+  for (int k = 0; k < c->points; k++)
+    *r += X[3 * k] * of_map[k];
+  return 2.0 * M_PI * *r * weight;
+}
+
+INLINE void places_of(const Cells *c, int cell, double *X)
+{
+  for (int k = 0; k < c->points; k++)
+    memcpy(X + 3 * k, c->x + 3 * (int64_t)c->geometry[(int64_t)cell * c->points + k], 3 * sizeof(double));
+}
+
+/* int e : e over all cells of the flow with these values at their nodes, (cells, nodes) and (.., d). */
+FOR_THIS_MACHINE
+double squared_strain_rate(const Cells *c, const int32_t *nodes, const double *u)
+{
+  const int d = c->dimension, n = c->nodes;
+  double X[3 * c->points], I[9], r, sum = 0.0;
+  for (int cell = 0; cell < c->cells; cell++, nodes += n) {
+    places_of(c, cell, X);
+    for (int q = 0; q < c->count; q++) {
+      const double *of_u = c->of_u + q * (1 + d) * n, weight = at_point(c, X, q, I, &r);
+      double du_dX[9] = {0}, u_r = 0.0, e_e = 0.0;
+      for (int i = 0; i < n; i++) {
+        const double *value = u + d * (int64_t)nodes[i];
+        u_r += value[0] * of_u[i];
+        for (int a = 0; a < d; a++)
+          for (int e = 0; e < d; e++)
+            du_dX[a * d + e] += value[a] * of_u[(1 + e) * n + i];
+      }
+      for (int a = 0; a < d; a++)
+        for (int b = 0; b < d; b++) {
+          double e_ab = 0.0;
+          for (int e = 0; e < d; e++)
+            e_ab += 0.5 * (du_dX[a * d + e] * I[e * d + b] + du_dX[b * d + e] * I[e * d + a]);
+          e_e += e_ab * e_ab;
+        }
+      sum += weight * (e_e + (c->axisymmetric ? u_r * u_r / (r * r) : 0.0));
+    }
+  }
+  return sum;
 }
 
 /* With S_ab = int d_a phi_i d_b phi_j for a <= b, one after the other, and R_a = int psi_k d_a phi_i:
@@ -110,21 +161,16 @@ INLINE void integrate(const Cells *c, const double *X, double *restrict S, doubl
   double G[count * stride], weighted[count * stride], psi[count * wide_p];
   memset(G, 0, sizeof G), memset(psi, 0, sizeof psi);
   for (int q = 0; q < count; q++) {
-    const double *of_map = c->of_map + q * (1 + d) * c->points, *of_u = c->of_u + q * (1 + d) * n;
-    double I[9], *at = G + q * stride;
-    double weight = c->weights[q] * fabs(map_back(c, X, of_map + c->points, I));
+    const double *of_u = c->of_u + q * (1 + d) * n;
+    double I[9], r, *at = G + q * stride;
+    const double weight = at_point(c, X, q, I, &r);
     for (int a = 0; a < d; a++)
       for (int e = 0; e < d; e++)
         for (int i = 0; i < n; i++)
           at[a * wide + i] += I[e * d + a] * of_u[(1 + e) * n + i];
-    if (c->axisymmetric) {
-      double r = 0.0;
-      for (int k = 0; k < c->points; k++)
-        r += X[3 * k] * of_map[k];
-      weight *= 2.0 * M_PI * r;
+    if (c->axisymmetric)
       for (int i = 0; i < n; i++)
         at[d * wide + i] = of_u[i] / r;
-    }
     for (int k = 0; k < stride; k++)
       weighted[q * stride + k] = weight * at[k];
     memcpy(psi + q * wide_p, c->of_p + q * p, p * sizeof *psi);
@@ -147,8 +193,7 @@ INLINE void matrix_of_cell(const Cells *c, int cell, int stride, double *restric
   const int pairs = d * (d + 1) / 2;
   double X[3 * c->points], S[(pairs + 1) * nn], R[(d + 1) * p * n], grad[nn];
   memset(S, 0, sizeof S), memset(R, 0, sizeof R), memset(grad, 0, sizeof grad);
-  for (int k = 0; k < c->points; k++)
-    memcpy(X + 3 * k, c->x + 3 * (int64_t)c->geometry[(int64_t)cell * c->points + k], 3 * sizeof(double));
+  places_of(c, cell, X);
   if (c->straight[cell] && !c->axisymmetric)
     integrate_straight(c, X, S, R);
   else

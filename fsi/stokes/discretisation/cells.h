@@ -25,6 +25,7 @@ typedef struct {
   const int32_t *kept;      /* where each of its rows is kept as it is; -1: nowhere */
 } Sum;
 
+double squared_strain_rate(const Cells *c, const int32_t *nodes, const double *u);
 void times_cells(int cells, int n, int size, int columns, const int32_t *rows, const double *E, const double *x,
                  double *y);
 void times_cells_extended(int cells, int n, int size, int columns, const int32_t *rows, const double *E,

@@ -16,6 +16,8 @@ left of the pressures is regular too: for a bubble g = w q of the pressure, w va
 degree k - 4, the velocity v = r g is one of those within the cell, and  int g div v = int g^2  in the plane.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
@@ -112,6 +114,25 @@ class StokesCells:
 
     def add(self, sum_: Any, groups: Groups, values: Array, kept: Array) -> None:
         """Add up what groups of cells leave of their matrices; sum_: a `Sum` of cells.h."""
+        matrices = loops().ffi.NULL if self.matrices is None else pointer(self.matrices)
+        with self._in_c() as cells:
+            loops().lib.add_cells(
+                cells, sum_, groups.structure, pointer(groups.room), pointer(values), pointer(kept), matrices,
+                pointer(self.factors), pointer(groups.factors),
+            )  # fmt: skip
+
+    def dissipation(self) -> float:
+        """int 2 mu e : e of the flow in u of the forms, point by point; collective."""
+        forms = self._forms
+        with self._in_c() as cells:
+            here = loops().lib.squared_strain_rate(
+                cells, pointer(forms.V.dofmap.list), pointer(forms.u.x.array)
+            )
+        return 2.0 * forms.viscosity * float(forms.mesh.comm.allreduce(here))
+
+    @contextmanager
+    def _in_c(self) -> Iterator[Any]:
+        """The cells on the mesh as it is, as `Cells` of cells.h."""
         forms, geometry = self._forms, self._forms.mesh.geometry
         d, points = geometry.dim, geometry.dofmaps[0]
         bases = tables(geometry.cmaps[0].degree, forms.degree, d, forms.axisymmetric)
@@ -120,12 +141,7 @@ class StokesCells:
         known = {"dimension": d, "axisymmetric": int(forms.axisymmetric), "mu": forms.viscosity}
         known |= {"cells": len(self.rows), "points": points.shape[1], "count": len(bases.weights)}
         held = {name: pointer(array) for name, array in arrays.items()}
-        cells = loops().ffi.new("Cells *", self._sizes_of_cells | known | held)
-        matrices = loops().ffi.NULL if self.matrices is None else pointer(self.matrices)
-        loops().lib.add_cells(
-            cells, sum_, groups.structure, pointer(groups.room), pointer(values), pointer(kept), matrices,
-            pointer(self.factors), pointer(groups.factors),
-        )  # fmt: skip
+        yield loops().ffi.new("Cells *", self._sizes_of_cells | known | held)
 
     def times(self, x: Array) -> Array:
         """M x for some columns x (rows, k), in their precision; collective."""

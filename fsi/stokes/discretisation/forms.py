@@ -167,7 +167,6 @@ def weak_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -> W
         "load": ("V", ufl.inner(f_h, v) * w * dx),
         "stress": ("V", (2 * mu * ufl.inner(e_h, e_v) - p_h * space.div(v)) * w * dx),
         "pressure weights": ("Q", q * w * dx),
-        "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),
         "flux": ("", ufl.inner(u_h, n) * w * ds),
         "speed on boundary": ("", ufl.sqrt(ufl.inner(u_h, u_h)) * w * ds),
         "normal": ("V", ufl.inner(n, v) * w * dS_of_flux),

@@ -34,12 +34,17 @@ class Averages:
         self.weights = np.column_stack(columns)
 
     def velocity(self, solution: NodalSolution, E: Array) -> Array:
-        """The mean of u - E x, (d,); collective."""
+        """The mean of u - E x, (d,); collective.
+
+        Over what is meshed, which has another volume than the domain: so that of a constant is this constant,
+        and bodies are as fast beside each other wherever the origin is.
+        """
         q, comm = self._problem.q, MPI.COMM_WORLD
         u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
         V = solution.U[:, : q.dimension] - q.centres @ E.T
-        of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
-        return np.asarray((of_fluid + q.volumes @ V) / self._problem.container.volume)
+        here = np.append(u @ self.weights, self.weights[:, 0].sum())
+        *of_fluid, volume = comm.allreduce(here, op=MPI.SUM)
+        return np.asarray((of_fluid + q.volumes @ V) / (volume + q.volumes.sum()))
 
     def centroid(self) -> Array:
         """Of the fluid as it is meshed, (d,); collective."""

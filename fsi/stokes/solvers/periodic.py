@@ -15,7 +15,7 @@ Where all bodies of a cell without walls are free, the flow is determined up to 
 and then the mean of u - E x over fluid and bodies is brought to zero.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +34,8 @@ from fsi.stokes.solvers.drives import Averages, Drive, flux_of, pulled, pumped, 
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem, nodal_vector
 
 type Solver = Callable[..., list[NodalSolution]]
+type Facets = NDArray[np.int32]
+type Images = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +75,9 @@ class Jumps:
         x = system.nodes.x[self.layout.on_body // q.dimension]
         # How far the node of each row on a body lies from that of the body at q_i, (on_body, d).
         self._to_body = q.to_images(fluid.lattice, self.layout.body, x)
-        # Lattice vectors e and the nodal <n, v> over all that lies at e, on slaves and on opened bodies.
-        self._normals = _normals(fluid, system.forms, q)
+        # Lattice vectors e and the nodal <n, v> over all that lies at e, of slaves and of opened bodies.
+        self._slaves = _normals(fluid, system.forms, *_slaves(fluid))
+        self._arcs = _normals(fluid, system.forms, *_arcs(fluid, q))
 
     def of_velocity(self, E: Array) -> Array:
         """The part of g for u(x + e) = u(x) + E e, this rank's rows."""
@@ -90,44 +93,61 @@ class Jumps:
         layout, g, b = self.layout, np.zeros(self.layout.rows), np.zeros(self.layout.rows)
         of_pressure = layout.slave >= layout.velocities
         g[layout.slave[of_pressure]] = layout.away[of_pressure] @ G
-        for e, normal in self._normals:
-            b[: len(normal)] -= (G @ e) * normal
+        b[: layout.velocities] = self._load(self._slaves, G) + self._load(self._arcs, G)
         return g, b
 
+    def along_bodies(self, G: Array) -> Array:
+        """The part of b along bodies alone: less it the traction of p there is that of one pressure field."""
+        return self._load(self._arcs, G)
 
-def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Array, Array]]:
-    """Lattice vectors e and <n, v> over the facets at e: slaves of the cut, and arcs of bodies."""
-    comm, lattice = MPI.COMM_WORLD, fluid.lattice
-    on_cut = facets_with(fluid, fluid.cut_tag, fluid.cut_tag)
-    facets = np.concatenate([facets_with(fluid, 1, fluid.bodies), on_cut])
-    tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, facets)]
-    d = fluid.dimension
-    middle = dolfinx_mesh.compute_midpoints(fluid.mesh, d - 1, facets)[:, :d]
-    m = np.zeros((len(facets), lattice.dimension), dtype=np.int64)
-    on_body = tags <= fluid.bodies
-    body = tags[on_body] - 1
-    m[on_body] = to_images(lattice, q.centres, q.placed, body, middle[on_body])
+    def _load(self, normals: Sequence[tuple[Array, Array]], G: Array) -> Array:
+        """- (G.e) <n, v>, this rank's rows of u."""
+        load = np.zeros(self.layout.velocities)
+        for e, normal in normals:
+            load -= (G @ e) * normal
+        return load
+
+
+def _arcs(fluid: FluidMesh, q: Configuration) -> tuple[Facets, Images]:
+    """Facets on bodies, and how many periods the arc of each lies from the first of its body."""
+    facets, lattice = facets_with(fluid, 1, fluid.bodies), fluid.lattice
+    body = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, facets)] - 1
+    m = to_images(lattice, q.centres, q.placed, body, _middle(fluid, facets))
     first = np.full((fluid.bodies, lattice.dimension), np.iinfo(np.int64).max)
-    np.minimum.at(first, body, m[on_body])
-    comm.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)
-    m[on_body] -= first[body]
-    # How far facets of the cut lie from their images there: zero for masters.
-    everywhere = comm.allgather(middle[~on_body])
-    pairs = matching_points(np.concatenate(everywhere), lattice)
-    shifts = np.zeros((sum(map(len, everywhere)), lattice.dimension), dtype=np.int64)
+    np.minimum.at(first, body, m)
+    MPI.COMM_WORLD.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)
+    return facets, m - first[body]
+
+
+def _slaves(fluid: FluidMesh) -> tuple[Facets, Images]:
+    """Facets of the cut, and how many periods each lies from its image there: zero for masters."""
+    facets, comm = facets_with(fluid, fluid.cut_tag, fluid.cut_tag), MPI.COMM_WORLD
+    everywhere = comm.allgather(_middle(fluid, facets))
+    pairs = matching_points(np.concatenate(everywhere), fluid.lattice)
+    shifts = np.zeros((sum(map(len, everywhere)), fluid.lattice.dimension), dtype=np.int64)
     shifts[pairs.slave] = pairs.shift
     before = sum(map(len, everywhere[: comm.rank]))
-    m[~on_body] = shifts[before : before + len(everywhere[comm.rank])]
+    return facets, shifts[before : before + len(facets)]
+
+
+def _middle(fluid: FluidMesh, facets: Facets) -> Array:
+    """The middles of facets, (facets, d)."""
+    d = fluid.dimension
+    return np.asarray(dolfinx_mesh.compute_midpoints(fluid.mesh, d - 1, facets)[:, :d])
+
+
+def _normals(fluid: FluidMesh, forms: Forms, facets: Facets, m: Images) -> list[tuple[Array, Array]]:
+    """Lattice vectors e and <n, v> over those facets that lie at e = m periods."""
     normals = []
-    for e in np.unique(np.concatenate(comm.allgather(m)), axis=0):
+    for e in np.unique(np.concatenate(MPI.COMM_WORLD.allgather(m)), axis=0):
         if e.any():
             here = facets[np.all(m == e, axis=1)]
-            normals.append((lattice.shift(e[None])[0], nodal_vector(forms.bind("normal", here))))
+            normals.append((fluid.lattice.shift(e[None])[0], nodal_vector(forms.bind("normal", here))))
     return normals
 
 
-def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, NodalSolution]:
-    """The flow with the mean of its problem, and the system with the loads that it took; collective.
+def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, NodalSolution, Array]:
+    """The flow with the mean of its problem, its system with all loads, and those along bodies; collective.
 
     It is linear in G, in the speeds of walls that a stress moves and in the rate at which a stress shears a
     cell: the flow for what is known of them, plus what each unknown one drives alone. Raises SolveError: as
@@ -178,7 +198,7 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     found = replace(solution, pressure_gradient=G, wall_speeds=speeds, shear_rate=rate)
     if len(problem.container.periods) < d and boundary.pressure_gradient is not None:
         found = replace(found, flux=flux_of(system, jump.of_pressure(np.eye(d)[0]), found))
-    return loaded, found
+    return loaded, found, jump.along_bodies(G)
 
 
 def _drives(system: StokesSystem, mean: MeanFlow, jump: Jumps) -> list[Drive]:
