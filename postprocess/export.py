@@ -130,7 +130,7 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     if not read.case.level.meshed:
         raise InputError(f'model = "{read.case.model}": only the resolved level has a mesh')
     q, container = read.meshed(step), read.container(step)
-    parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
-    cells = recover(parts, FluidDomain(container, q.centres, q.radii, placed=q.placed, ellipsoids=q.standing))
+    domain = FluidDomain(container, q.centres, q.radii, placed=q.placed, ellipsoids=q.standing)
+    cells = recover(read.files(step), domain)
     write_cells(cells, output, [*read.case.names, *container.boundary_names])
     return step

@@ -24,6 +24,7 @@ from fsi.files import require_suffix
 from fsi.postprocess.run.run import Run
 
 SUFFIX = ".vtkhdf"
+_BEGINNING = 2**16  # bytes: more than VTK's writer has to put down before it looks whether it can
 
 
 class _Steps(VTKPythonAlgorithmBase):
@@ -90,7 +91,7 @@ def write_vtkhdf(run: Run, output: Path, series: str | None = None) -> int:
     writer.SetWriteAllTimeSteps(True)
     writer.SetInputConnection(steps.GetOutputPort())
     try:
-        temporary.touch()  # where that fails, VTK would say so in its own words
+        _require_room(temporary)
         with _silent():
             written = writer.Write() and steps.error is None and _sums(temporary) == steps.sums
         if steps.error is not None:
@@ -104,6 +105,14 @@ def write_vtkhdf(run: Run, output: Path, series: str | None = None) -> int:
     finally:
         temporary.unlink(missing_ok=True)
     return len(run.times_of(series))
+
+
+def _require_room(path: Path) -> None:
+    """Begin a file. Raises OSError: where it cannot, VTK would say so in its own words, or try for ever."""
+    with path.open("wb") as file:
+        file.write(bytes(_BEGINNING))
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def _sums(path: Path) -> dict[int, int]:

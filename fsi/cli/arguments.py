@@ -76,14 +76,19 @@ def pool_of(scheduler: str | None, workers: int | None, ranks: int = 1) -> Pool:
     return lambda: local(workers or max((os.cpu_count() or 1) // ranks, 1))
 
 
-def load(path: Path, overrides: list[str] | None) -> Case:
-    """The case of a file, with changes; all ranks. Says beforehand where it takes long."""
+def load(path: Path, overrides: list[str] | None, folder: Path | None = None) -> Case:
+    """The case of a file, with changes; all ranks. Says beforehand where it takes long.
+
+    folder: where a run of it is written, which must have room for it.
+    """
     with loading():
-        from fsi.case.checks.work import check_work
+        from fsi.case.checks.work import check_work, require_room
         from fsi.case.load import load_case
 
         case = parallel.on_root(lambda: load_case(path, overrides or ()))
         warning = parallel.on_root(lambda: check_work(case))
+        if folder is not None:
+            parallel.on_root(lambda: require_room(case, folder))
     if warning is not None:
         warn(warning)
     return case

@@ -67,11 +67,14 @@ def cases(
 
 def check(case_file: CaseFile, overrides: Overrides = None) -> None:
     """Read a case and say what it holds: bodies, gaps, what is free or held, walls. Nothing is computed."""
-    case = load(case_file, overrides)
+    runs = Path("runs")  # where `fsi run` and `fsi calibrate` write if no folder is given
+    case = load(case_file, overrides, runs)
     from fsi.case.checks.expected import check_expected
     from fsi.case.checks.own_mesh import check_mesh_file
+    from fsi.case.checks.work import require_room_for_samples
 
     check_expected(case)
+    parallel.on_root(lambda: require_room_for_samples(case, runs))
     parallel.on_root(lambda: check_mesh_file(case))
     if parallel.is_root():
         from fsi.report.case import print_case

@@ -1,20 +1,23 @@
-"""Loading what a command needs, without a look for cycles in it."""
+"""Loading what a command needs, without a look for cycles in it, and not broken off in the middle."""
 
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from fsi.machine.signals import held
+
 
 @contextmanager
 def loading() -> Iterator[None]:
-    """Python looks for no cycles meanwhile, nor later in what is there then.
+    """Python looks for no cycles meanwhile, nor later in what is there then; Ctrl-C holds afterwards.
 
     What is loaded stays, and looks at it take a sixth of `fsi check` and of `fsi solve` of one disc.
     """
     looks = gc.isenabled()
     gc.disable()
     try:
-        yield
+        with held():
+            yield
     finally:
         gc.freeze()
         if looks:

@@ -1,30 +1,36 @@
 """The command line as a whole.
 
 Exit codes: 0 done, 2 wrong input, 3 a solve, mesh or step failed, 4 a validation failed, 70 a defect of the
-program (EX_SOFTWARE of sysexits.h), 130 interrupted. Errors are one line on stderr. Under `mpiexec` root
-alone prints; see `parallel.last_words` for how all ranks end together.
+program (EX_SOFTWARE of sysexits.h), 130 interrupted, 129 and 143 ended by SIGHUP and SIGTERM. Errors are one
+line on stderr. Under `mpiexec` root alone prints; see `parallel.last_words` for how all ranks end together.
 """
 
 import atexit
 import gc
 import sys
 import traceback
+from contextlib import suppress
+from pathlib import Path
 from typing import Annotated
 
 from fsi.cli.loading import loading
 
-with loading():
-    import typer
-
-    import fsi.parallel as parallel
-    from fsi.cli.commands import Group
-    from fsi.cli.missing import explain
-    from fsi.cli.streams import finish, prepare
-    from fsi.errors import FsiError
-    from fsi.meshes.errors import MeshError
-
 DEFECT, INTERRUPTED = 70, 130
 GOES_ON = "a run goes on with fsi resume, a calibration when repeated"
+
+try:
+    with loading():
+        import typer
+
+        import fsi.parallel as parallel
+        from fsi.cli.commands import Group
+        from fsi.cli.missing import explain
+        from fsi.cli.streams import finish, prepare
+        from fsi.errors import FsiError, InputError
+        from fsi.machine.signals import Ended, heard
+except KeyboardInterrupt:
+    sys.stderr.write(f"error: interrupted; {GOES_ON}\n")
+    sys.exit(INTERRUPTED)
 
 
 def _print_version(asked: bool) -> None:
@@ -56,35 +62,59 @@ def options(
 def main() -> int:
     """Run the command line; returns the exit code."""
     prepare(silent=not parallel.is_root())  # help and tables once, not once a rank
-    parallel.speak_with(_words)
+    parallel.speak_with(_line)
     atexit.register(gc.freeze)  # what is left ends with the process, and needs no look for cycles
-    return finish(_command())
+    if parallel.size() > 1:  # a rank in an exchange hears nothing: signals end each at once
+        return finish(_command())
+    with heard():
+        return finish(_command())
 
 
 def _command() -> int:
     try:
+        _require_text(sys.argv)
         with loading():
             command = typer.main.get_command(app)
         code = command.main(sys.argv[1:] or ["--help"], prog_name="fsi", standalone_mode=False) or 0
         if code != INTERRUPTED:  # typer turns Ctrl-C into this exit code, and says nothing
             return int(code)
-        return parallel.last_words(*_words(KeyboardInterrupt()))
-    except (Exception, SystemExit) as error:
+        return parallel.last_words(*_line(KeyboardInterrupt()))
+    except (Exception, SystemExit, KeyboardInterrupt) as error:
         gone = isinstance(error.__context__, BrokenPipeError)
         if isinstance(error, SystemExit) and (gone or not error.code):
             return 0  # typer's, where the reader of standard output has gone, or the shell completes a word
-        return parallel.last_words(*_words(error))
+        return parallel.last_words(*_line(error))
+
+
+def _require_text(words: list[str]) -> None:
+    """Raise InputError of bytes that are no letters here, as DOLFINx and VTK take no such paths."""
+    with suppress(OSError):  # the folder that the shell is in has been removed
+        words = [*words, str(Path.cwd())]
+    for word in words:
+        try:
+            word.encode()
+        except UnicodeEncodeError:
+            remedy = "give it a name in UTF-8, or set LC_ALL=C.UTF-8 where it has one"
+            raise InputError(f"{word}: has bytes that are no letters; {remedy}") from None
+
+
+def _line(error: BaseException) -> tuple[str, int]:
+    """The same as `_words`, with what would control the terminal, of names that are told, as its number."""
+    words, exit_code = _words(error)
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in words), exit_code
 
 
 def _words(error: BaseException) -> tuple[str, int]:
     """What to say of an error that ends the program, and the exit code."""
     match error:
-        case FsiError() | MeshError():
-            return f"error: {' '.join(str(error).splitlines())}", getattr(error, "exit_code", 3)
+        case FsiError():
+            return f"error: {' '.join(str(error).splitlines())}", error.exit_code
         case typer.TyperException():
             return f"error: {_usage(error)}", 2
         case KeyboardInterrupt():
             return f"error: interrupted; {GOES_ON}", INTERRUPTED
+        case Ended():
+            return f"error: ended by {error.signal}; {GOES_ON}", error.exit_code
     lacking = explain(error)
     if lacking is not None:
         return f"error: {lacking}", lacking.exit_code

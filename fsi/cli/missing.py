@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import sysconfig
+from collections.abc import Iterator
 from pathlib import Path
 
 from fsi.errors import FsiError, InputError, SolveError
@@ -35,7 +36,7 @@ def explain(error: BaseException) -> FsiError | None:
     library = _LIBRARY.search(str(error))
     if isinstance(error, OSError | ImportError) and library:
         return InputError(f"{library[1]} is missing on this machine; as root: apt-get install -y {LIBRARIES}")
-    if isinstance(error, MemoryError) or _NO_ROOM in str(error):
+    if isinstance(error, MemoryError) or any(_NO_ROOM in str(one) for one in _chain(error)):
         return SolveError("memory: there is not enough on this machine; give a coarser mesh or fewer bodies")
     lacking = _lacking()
     if lacking and "ffcx" in _modules(error):
@@ -52,6 +53,13 @@ def explain(error: BaseException) -> FsiError | None:
     if isinstance(error, OSError) and error.strerror:
         return _refused(error)
     return None
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """The error, and those that it was raised for."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or error.__context__
 
 
 def _last_line(error: BaseException) -> str:

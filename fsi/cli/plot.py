@@ -102,7 +102,7 @@ def _paths(folder: Path, output: Path | None, relative: str | None, theme: "Them
     from fsi.postprocess.plots.trajectories import plot_paths
     from fsi.postprocess.run.run import open_run
 
-    path = _checked(output or folder / "paths.png")
+    path = _output(output, folder / "paths.png")
     plot_paths(open_run(folder), path, relative, theme)
     return path
 
@@ -116,11 +116,11 @@ def _of_file(folders: list[Path], output: Path | None, theme: "Theme") -> Path |
     if len(folders) > 1:
         return None
     if folders[0].suffix == ".json":
-        path = _checked(output or folders[0].with_suffix(".png"))
+        path = _output(output, folders[0].with_suffix(".png"))
         plot_scaling(folders[0], path, theme)
         return path
     if (folders[0] / SUMMARY).is_file():
-        path = _checked(output or folders[0] / "calibration.png")
+        path = _output(output, folders[0] / "calibration.png")
         plot_calibration(folders[0], path, theme)
         return path
     return None
@@ -134,7 +134,8 @@ def _histories(
     from fsi.postprocess.plots.trajectories import plot_space_time
     from fsi.postprocess.run.run import open_run
 
-    path, runs = _checked(output or folders[0] / "history.png"), [open_run(folder) for folder in folders]
+    path = _output(output, folders[0] / "history.png")
+    runs = [open_run(folder) for folder in folders]
     if len(runs) == 1 and runs[0].series == "profile" and gap is None and curves is None:
         plot_space_time(runs[0], path, theme)
     else:
@@ -142,9 +143,10 @@ def _histories(
     return path
 
 
-def _checked(path: Path) -> Path:
-    """The path of a figure. Raises InputError: its suffix is unknown."""
+def _output(output: Path | None, beside: Path) -> Path:
+    """Where a figure goes: beside what it is of if no path is given. Raises InputError: it is no figure's."""
     from fsi.postprocess.plots.figure import require_figure
 
-    require_figure(path)
-    return path
+    if output is not None:
+        require_figure(output)
+    return output or beside

@@ -2,23 +2,39 @@
 
 import math
 import os
+import resource
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 from fsi.errors import InputError
 
-# Where Linux says how much memory a container may take: version 2, then 1.
-_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+# Where Linux says which groups a process is in, and, below, how much memory each may take: version 2, then 1.
+_GROUPS = Path("/proc/self/cgroup")
+_LIMITS = {"": (Path("/sys/fs/cgroup"), "memory.max"),
+           "memory": (Path("/sys/fs/cgroup/memory"), "memory.limit_in_bytes")}  # fmt: skip
 _UNITS = ((1e18, "EB"), (1e15, "PB"), (1e12, "TB"), (1e9, "GB"), (1e6, "MB"))
 
 
 def memory() -> float:
-    """Bytes of memory: the machine's, or what its container may take of them."""
-    found = [float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")]
-    for limit in map(Path, _LIMITS):
-        text = limit.read_text().strip() if limit.is_file() else ""
-        found += [float(text)] if text.isdecimal() else []
-    return min(found)
+    """Bytes of memory: the machine's, or what this process or its container may take of them."""
+    found = [float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE"), *_limits()]
+    most, _ = resource.getrlimit(resource.RLIMIT_AS)  # of `ulimit -v`
+    return min(found if most == resource.RLIM_INFINITY else [*found, float(most)])
+
+
+def _limits() -> Iterator[float]:
+    """Those of the groups that this process is in, one in the other; the outermost is a container's own."""
+    own = dict.fromkeys(_LIMITS, "")
+    for line in _GROUPS.read_text().splitlines() if _GROUPS.is_file() else ():
+        _, controllers, group = line.split(":", 2)
+        own |= {known: group.strip("/") for known in _LIMITS if known in controllers.split(",")}
+    for controllers, (root, name) in _LIMITS.items():
+        innermost = root / own[controllers]
+        for folder in (innermost, *innermost.parents):
+            if folder.is_relative_to(root) and (folder / name).is_file():
+                text = (folder / name).read_text().strip()
+                yield from [float(text)] if text.isdecimal() else []
 
 
 def free_disk(path: Path) -> float:
@@ -39,7 +55,8 @@ def require_memory(what: str, need: float, remedy: str) -> None:
 def require_disk(what: str, need: float, remedy: str, path: Path) -> None:
     """Raise InputError where the files of some work need more bytes than are free."""
     if not need <= (free := free_disk(path)):
-        raise InputError(f"{what}, with some {size(need)} of files, of {size(free)} free here; {remedy}")
+        there = f"of {size(free)} free in {path.absolute()}"
+        raise InputError(f"{what}, with some {size(need)} of files, {there}; {remedy}")
 
 
 def size(count: float) -> str:

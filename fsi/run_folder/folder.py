@@ -85,9 +85,10 @@ class Commit:
 class RunFolder:
     """A run folder open for writing, with what it has. All ranks call every method; root alone writes."""
 
-    def __init__(self, path: Path, kept: Kept) -> None:
+    def __init__(self, path: Path, kept: Kept, *, given: bool = False) -> None:
         self.path = path
         self.kept = kept
+        self._given = given  # an empty folder of the user's, which stays
         self.checkpoint = kept.checkpoint
         self._lengths = dict(kept.checkpoint.lengths) if kept.checkpoint else {STEPS: 0, BODIES: 0}
         self._rows: dict[str, bytes] = {}  # of each table those that are not on the disk yet
@@ -100,19 +101,22 @@ class RunFolder:
     @classmethod
     def create(cls, path: Path, case: Case, launch: Mapping[str, Any]) -> Self:
         """Make a folder, complete or not at all. Raises InputError: it exists, or cannot be written."""
-        path = path.resolve()
-        return cls(path, on_root(lambda: _create(path, case, launch)))
+        path = _resolved(path)
+        given = path.is_dir()
+        return cls(path, on_root(lambda: _create(path, case, launch)), given=given)
 
     @classmethod
     def reopen(cls, path: Path) -> Self:
         """Open a folder, changing nothing in it. Raises InputError: no run folder, or a file is not sound."""
-        path = path.resolve()
+        path = _resolved(path)
         return cls(path, on_root(lambda: sound(path)))
 
     def discard_if_unused(self) -> None:
-        """Remove a folder without a commit, if this rank wrote it; not collective: others may have failed."""
+        """Remove what this rank wrote of a run without a commit; not collective: others may have failed."""
         if is_root() and not (self.path / STATE).exists():
-            shutil.rmtree(self.path)
+            _empty(self.path)
+            if not self._given:
+                self.path.rmdir()
 
     @property
     def case(self) -> Path:
@@ -242,17 +246,51 @@ class RunFolder:
         return self.path / f"{series}.pvd"
 
 
+def _resolved(path: Path) -> Path:
+    """The path without links in it. Raises InputError: they lead in a circle."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError):  # as Python's version has it
+        raise InputError(f"output = {path}: its links lead in a circle; give another folder") from None
+
+
 def _create(path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
     with disk(path, InputError, "give a folder that can be written"):
         _require_new(path)
+        if path.is_dir():
+            return _fill(path, path, case, launch)
         partial = path.with_name(f".{path.name}{TEMPORARY}")
-        (partial / FIELDS).mkdir(parents=True, exist_ok=True)  # what was killed left is written over
-        with locked(partial, refused=path):
-            _require_new(path)  # another process may have made it since
-            replace(partial / CASE, case.as_toml().encode())
+        partial.mkdir(parents=True, exist_ok=True)  # what was killed left is written over
+        return _fill(partial, path, case, launch)
+
+
+def _fill(partial: Path, path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
+    """Write what a run begins with into a folder, which takes the path then; it may have it already.
+
+    The case comes last, which makes it the folder of a run. A folder that was there stays, with its owner and
+    mode: it may be the one that a shell is in.
+    """
+    with locked(partial, refused=path):
+        _require_new(path)  # another process may have made it since
+        try:
+            (partial / FIELDS).mkdir(exist_ok=True)
             provenance = write_provenance(partial, case, [launch])
+            replace(partial / CASE, case.as_toml().encode())
+        except BaseException:
+            _empty(partial)
+            raise
+        if partial != path:
             partial.rename(path)
         return Kept(provenance)
+
+
+def _empty(folder: Path) -> None:
+    """Remove what is in a folder."""
+    for path in folder.iterdir():
+        if path.is_dir():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
 
 
 def _require_new(path: Path) -> None:

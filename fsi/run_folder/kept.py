@@ -16,11 +16,12 @@ from fsi.case.case import Case
 from fsi.errors import FsiError, InputError
 from fsi.files import content, json_of, replace
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
-from fsi.run_folder.one_case import case_record
+from fsi.run_folder.one_case import case_record, require_as_written
 from fsi.run_folder.paraview import Entry, read_collection
 
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
 STEPS, BODIES = "steps.csv", "bodies.csv"
+_NAMES = ("body", "side")  # columns of words
 REMEDY = "put that right or run the case again"
 # Of the folder: what its files mean. Before the number case files had other keys; before 3 nothing told
 # whether the case has been changed since.
@@ -48,15 +49,23 @@ def require_run(path: Path) -> None:
         raise InputError(f"output = {path}: not a run folder (it has no {CASE}); give one made by `fsi run`")
 
 
+def require_as_begun(path: Path) -> None:
+    """Raise InputError where someone has changed the case since the run began; older runs cannot tell."""
+    kept = json_of(path / PROVENANCE, REMEDY) if (path / PROVENANCE).exists() else None
+    if isinstance(kept, dict) and all(isinstance(kept.get(key), dict) for key in ("case", "files")):
+        require_as_written(path, kept, path / CASE)
+
+
 def sound(path: Path) -> Kept:
     """What is in a folder; every file that a run needs to go on is read, no field files.
 
-    Raises InputError: no run folder, of another version, or a file is not sound.
+    Raises InputError: no run folder, of another version, or a file is not sound, or state.npz is lost.
     """
     require_run(path)
     with disk(path, InputError, REMEDY):
         provenance = _provenance(path)
         if not (path / STATE).exists():
+            _require_beginning(path)
             return Kept(provenance)
         checkpoint = read_checkpoint(path / STATE)
         for table, length in checkpoint.lengths.items():
@@ -65,17 +74,40 @@ def sound(path: Path) -> Kept:
         return Kept(provenance, checkpoint, series)
 
 
+def _require_beginning(path: Path) -> None:
+    """Raise InputError where a run without state.npz has got beyond step 0, with which that file comes."""
+    tables = [path / table for table in (STEPS, BODIES) if (path / table).exists()]
+    lines = [line for table in tables for line in content(table, REMEDY).splitlines()[1:]]
+    steps = [line.partition(b",")[0].decode(errors="replace") for line in lines]
+    steps += [file.stem.split("_")[1] for file in (path / FIELDS).glob("[!.]*_*.vtu")]
+    if any(step.strip("0") for step in steps):
+        raise InputError(
+            f"output = {path}: {STATE} is missing, without which no run goes on; put it back, or run the "
+            "case again into another folder"
+        )
+
+
 def _require_rows(table: Path, length: int) -> None:
-    """Raise InputError unless the first bytes of a table are whole rows of its header's width."""
+    """Raise InputError unless the first bytes of a table are whole rows of its header's width, of numbers."""
     text = content(table, REMEDY)[:length] if length else b""
     if len(text) < length:
         raise InputError(f"output = {table.parent}: {table.name} has lost rows; put them back or run again")
+    if not length:
+        return
     try:
-        widths = set(map(len, csv.reader(text.decode().splitlines())))
+        header, *rows = csv.reader(text.decode().splitlines())
     except csv.Error as error:
         raise ValueError(f"{table.name}: {error}") from None
-    if length and (not text.endswith(b"\n") or len(widths) > 1):
+    if not text.endswith(b"\n") or any(len(row) != len(header) for row in rows):
         raise ValueError(f"{table.name}: rows are not of one width")
+    numbers = [k for k, column in enumerate(header) if column not in _NAMES]
+    for place, row in enumerate(rows, start=1):
+        try:
+            for k in numbers:
+                float(row[k])
+        except ValueError:
+            cell = f'{header[k]} = "{row[k][:30]}"'
+            raise ValueError(f"{table.name}: {cell} in its row {place} is not a number") from None
 
 
 def _entries(path: Path, series: str, count: int) -> list[Entry]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fsi.case.case import Case
-from fsi.case.load import named_files
+from fsi.case.load import named_files, read_toml
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 
@@ -54,6 +54,17 @@ def require_one_case(folder: Path, changed: Changes, t: float) -> None:
     end = changed.get("time.end", (None, t))[1]
     if not isinstance(end, float | int) or end < t:
         raise InputError(f"time.end = {toml_text(end)}: the run is at t = {t:g} already; give a later end")
+
+
+def require_as_written(folder: Path, kept: Mapping[str, Any], case_file: Path) -> None:
+    """Raise InputError where a case file in the folder of a run is not the one that its record keeps.
+
+    Both are compared as they are written, without defaults, of which another version may have other ones.
+    The files that a case names may be elsewhere by now, or gone: a run that has been made needs none.
+    """
+    written: Any = json.loads(json.dumps(read_toml(case_file), default=str))
+    found = dict(_differences(kept["case"], written, ""))
+    require_one_case(folder, {key: change for key, change in found.items() if key not in kept["files"]}, 0.0)
 
 
 def _differences(old: Any, new: Any, key: str) -> Iterator[tuple[str, tuple[object, object]]]:

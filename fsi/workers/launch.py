@@ -16,6 +16,8 @@ from pathlib import Path
 import fsi.parallel as parallel
 from fsi.errors import InputError
 
+_running: set[subprocess.Popen[str]] = set()
+
 
 def outcomes(
     pool: Executor, command: str, folders: Sequence[Path], ranks: int = 1
@@ -36,12 +38,23 @@ def launched(command: str, folder: str, ranks: int) -> str:
         words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
     ) as process:
         assert process.stderr is not None  # and stdin stays open until it has ended
-        said = process.stderr.read()
-        code = process.wait()
+        _running.add(process)
+        try:
+            said = process.stderr.read()
+            code = process.wait()
+        finally:
+            _running.discard(process)
     if code == 0:
         return ""
     lines = [line for line in said.splitlines() if line.startswith("error: ")] or said.splitlines()[-1:]
     return " ".join(lines[0].removeprefix("error: ").split()) if lines else f"ended with code {code}"
+
+
+def end_runs() -> None:
+    """Let the processes that this one has started end."""
+    for process in _running.copy():
+        assert process.stdin is not None
+        process.stdin.close()
 
 
 def mpiexec() -> str:

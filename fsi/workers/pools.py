@@ -5,6 +5,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
 
 from fsi.errors import InputError
+from fsi.workers.launch import end_runs
 
 # Opens what takes runs.
 type Pool = Callable[[], AbstractContextManager[Executor]]
@@ -19,7 +20,8 @@ def local(workers: int) -> Iterator[Executor]:
         try:
             yield pool
         except BaseException:
-            pool.shutdown(cancel_futures=True)
+            pool.shutdown(wait=False, cancel_futures=True)
+            end_runs()
             raise
 
 

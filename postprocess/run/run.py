@@ -14,6 +14,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +32,9 @@ from fsi.files import json_of
 from fsi.gluey.system import room
 from fsi.meshes.geometry.container import Container
 from fsi.postprocess.run.grids import read_grid
-from fsi.postprocess.run.tables import read_table
+from fsi.postprocess.run.tables import read_table, rows_of
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
-from fsi.run_folder.kept import CASE, PROVENANCE, STATE
+from fsi.run_folder.kept import CASE, PROVENANCE, STATE, require_as_begun
 from fsi.run_folder.paraview import Entry, read_collection
 
 Indices = NDArray[np.intp]
@@ -72,8 +73,10 @@ class Run:
 
     @cached_property
     def case(self) -> Case:
-        """The case, with every default filled in."""
-        return load_case(self.path / CASE)
+        """The case, with every default filled in. Raises InputError: it is not the one that was run."""
+        case = load_case(self.path / CASE)
+        require_as_begun(self.path)
+        return case
 
     @property
     def viscous(self) -> bool:
@@ -129,12 +132,14 @@ class Run:
         Raises InputError: there are no fields of that step.
         """
         step = self.step(step, series)
-        files = [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]
         known = _POINT_DATA.get(series, ())
         if series == "fluid" and self.case.level.pressure:
             known = (*known, "pressure")
-        grids = [read_grid(file, known) for file in files]
-        return _joined(grids)
+        return _joined([read_grid(file, known) for file in self.files(step, series)])
+
+    def files(self, step: int, series: str = "fluid") -> list[Path]:
+        """The field files of a step, one of each rank."""
+        return [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]
 
     def step(self, step: int | None = None, series: str = "fluid") -> int:
         """That step, or the last one, if it has fields. Raises InputError."""
@@ -157,7 +162,7 @@ class Run:
 
     def nearest(self, time: float, series: str = "fluid") -> int:
         """The step with fields nearest to a time. Raises InputError."""
-        if not np.isfinite(time):
+        if not (isinstance(time, Real) and np.isfinite(time)):
             raise InputError(f"time = {time}: give a finite number")
         self.step(None, series)
         return int((self.times_of(series) - time).abs().idxmin())
@@ -181,14 +186,14 @@ class Run:
         return self.case.domain.mean_drive().mean_stress is not None
 
     def _of_step(self, step: int, column: str) -> float:
-        return float(_rows(self.steps, step)[column].iloc[0])
+        return float(rows_of(self.steps, step)[column].iloc[0])
 
     def configuration(self, step: int) -> Configuration:
         """Where the bodies were at a step. Raises InputError: bodies.csv has none of it."""
         start, d = self.case.configuration(), self.case.dimension
         if not len(start):
             return start
-        x, angles = np.hsplit(_rows(self.bodies, step)[list(PLACES[d])].to_numpy(), [d])
+        x, angles = np.hsplit(rows_of(self.bodies, step)[list(PLACES[d])].to_numpy(), [d])
         return replace(start, centres=x, angles=angles.reshape(start.angles.shape), strain=self.strain(step))
 
     def meshed(self, step: int) -> Configuration:
@@ -237,9 +242,12 @@ class Run:
 
     def _entries(self, series: str) -> list[Entry]:
         path = self.path / f"{series}.pvd"
-        if not path.exists():
-            return []
-        return _sound(read_collection, path)[: self._commit.entries.get(series) if self._commit else None]
+        count = self._commit.entries.get(series) if self._commit else None
+        if path.exists():
+            return _sound(read_collection, path)[:count]
+        if count:
+            raise InputError(f"{path}: is not there, though the run has written it; {_REMEDY}")
+        return []
 
 
 def _sound[T](read: Callable[[Path], T], path: Path) -> T:
@@ -248,14 +256,6 @@ def _sound[T](read: Callable[[Path], T], path: Path) -> T:
         return read(path)
     except ValueError as error:
         raise InputError(f"{path}: is damaged ({error}); {_REMEDY}") from None
-
-
-def _rows(table: pd.DataFrame, step: int) -> pd.DataFrame:
-    """Those of a step. Raises InputError: there are none."""
-    rows = table.loc[table["step"] == step]
-    if rows.empty:
-        raise InputError(f"step = {step}: is not there, the last is {table['step'].iloc[-1]}; give another")
-    return rows
 
 
 def _step(entry: Entry) -> int:

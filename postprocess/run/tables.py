@@ -42,6 +42,14 @@ def read_table(path: Path, length: int | None) -> pd.DataFrame:
     return frame
 
 
+def rows_of(table: pd.DataFrame, step: int) -> pd.DataFrame:
+    """Those of a step. Raises InputError: there are none."""
+    rows = table.loc[table["step"] == step]
+    if rows.empty:
+        raise InputError(f"step = {step}: is not there, the last is {table['step'].iloc[-1]}; give another")
+    return rows
+
+
 def spread(rows: int, most: int) -> NDArray[np.intp]:
     """Positions of at most so many rows, evenly spread, first and last included."""
     return np.unique(np.linspace(0, rows - 1, most).astype(np.intp)) if rows else np.empty(0, dtype=np.intp)

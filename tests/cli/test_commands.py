@@ -160,7 +160,7 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
         from fsi.cli.main import main
         from fsi.errors import InputError
 
-        def load(path, overrides):
+        def load(*_):
             if parallel.rank() > 0:
                 raise {error}("the radius is wrong here")
             MPI.COMM_WORLD.Barrier()  # waits for ever

@@ -97,6 +97,13 @@ def test_what_is_missing_has_its_remedy(error: Exception, line: str) -> None:
     assert line in str(explain(error))
 
 
+def test_what_is_missing_is_known_from_the_first_error() -> None:
+    """Numba's llvmlite says of a library that did not fit into memory that it is not there."""
+    error = OSError("Could not find/load shared object file 'libllvmlite.so'")
+    error.__context__ = OSError("libllvmlite.so: failed to map segment from shared object")
+    assert "memory: there is not enough" in str(explain(error))
+
+
 @pytest.mark.parametrize("error", [ModuleNotFoundError("no", name="fsi.x"), OSError("disk full"), KeyError()])
 def test_other_errors_are_not_explained_away(error: Exception) -> None:
     assert explain(error) is None

@@ -76,6 +76,25 @@ def test_what_is_loaded_is_not_looked_through_for_cycles() -> None:
         gc.unfreeze()
 
 
+def test_ctrl_c_while_the_command_line_loads_is_one_line() -> None:
+    """Python's traceback was printed, in the first half second."""
+    script = """
+        import signal, sys
+        class Interrupting:
+            def find_spec(self, name, *_):
+                if name == "fsi.cli.streams":
+                    signal.raise_signal(signal.SIGINT)
+        sys.meta_path.insert(0, Interrupting())
+        import fsi.cli.main
+    """
+    lines = "\n".join(line[8:] for line in script.splitlines())
+    done = subprocess.run(
+        [sys.executable, "-c", lines], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    words = "error: interrupted; a run goes on with fsi resume, a calibration when repeated\n"
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", words)
+
+
 def test_ranks_that_nothing_told_so_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each would take itself for the only one, and write the same files."""
     two = SimpleNamespace(COMM_WORLD=SimpleNamespace(size=2))

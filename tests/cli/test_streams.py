@@ -10,6 +10,7 @@ import pytest
 
 from fsi.cli import cases
 from fsi.cli.main import main
+from fsi.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 FSI = f"{sys.executable} -m fsi"
@@ -103,3 +104,34 @@ def test_what_the_machine_refuses_is_no_defect(
     monkeypatch.setattr(sys, "__stderr__", sys.stderr)
     assert main() == code
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_names_that_would_control_the_terminal_are_told_with_their_numbers(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise InputError('bodies.0.name = "\x1b[31mé\u202e": not of that form')
+
+    monkeypatch.setattr(cases, "load", fail)
+    monkeypatch.setattr(sys, "argv", ["fsi", "check", "case.toml"])
+    monkeypatch.setattr(sys, "__stderr__", sys.stderr)
+    assert main() == 2
+    line = 'error: bodies.0.name = "\\x1b[31mé\\u202e": not of that form\n'
+    assert capsys.readouterr().err == line
+
+
+@pytest.mark.parametrize("place", ["argument", "folder"])
+def test_a_path_that_is_not_of_letters_is_refused(place: str, tmp_path: Path) -> None:
+    """DOLFINx and VTK took no such paths, and it was told as a defect, with a long text."""
+    bad = os.fsdecode(b"bad\xff")
+    here = tmp_path / bad
+    here.mkdir()
+    command = [sys.executable, "-m", "fsi", "check", bad if place == "argument" else "case.toml"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        command, cwd=tmp_path if place == "argument" else here, env=environment,
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "bad\\udcff: has bytes that are no letters; give it a name in UTF-8" in line

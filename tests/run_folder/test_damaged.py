@@ -36,16 +36,23 @@ def _written(text: bytes) -> Callable[[Path], object]:
     return lambda path: path.write_bytes(text)
 
 
+def _edited(old: str, new: str) -> Callable[[Path], object]:
+    return lambda path: path.write_text(path.read_text().replace(old, new, 1))
+
+
 DAMAGE: list[tuple[str, str, Callable[[Path], object]]] = [
     ("resume", "state.npz", _written(b"")),
     ("resume", "state.npz", _half),
     ("resume", "state.npz", _pipe),
+    ("resume", "state.npz", Path.unlink),
+    ("resume", "bodies.csv", _edited(".", ".#")),
     ("resume", "provenance.json", _written(b"[1, 2]")),
     ("resume", "provenance.json", _written(b'{"format": 3, "launches": 3}')),
     ("resume", "provenance.json", _written(b"[" * 3000)),
     ("resume", "bodies.pvd", _half),
     ("render", "state.npz", _written(b"")),
     ("render", "bodies.pvd", _half),
+    ("render", "bodies.pvd", Path.unlink),
     ("render", "bodies.pvd", _written(b'<?xml version="1.0"?><x><DataSet part="0"/></x>')),
     ("render", "fields/bodies_000010.vtu", _written(b"garbage")),
     ("render", "fields/bodies_000010.vtu", _half),
@@ -67,7 +74,47 @@ def test_a_damaged_file_is_one_line(
     run = tmp_path / "run"
     shutil.copytree(sound, run)
     damage(run / name)
+    before = _files(run)
     assert name in complaint(capfd, monkeypatch, command, str(run))
+    assert _files(run) == before
+
+
+def _files(folder: Path) -> dict[Path, int]:
+    """All that is in a folder, with its sizes."""
+    return {path: path.lstat().st_size for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("left", ["fields", "steps.csv", "bodies.csv"])
+def test_a_run_that_has_lost_its_state_is_left_as_it_is(
+    left: str, sound: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Any of these tells that there were steps, which `fsi resume` removed to begin anew."""
+    run = tmp_path / "run"
+    shutil.copytree(sound, run)
+    for name in {"state.npz", "steps.csv", "bodies.csv"} - {left}:
+        (run / name).unlink()
+    if left != "fields":
+        shutil.rmtree(run / "fields")
+    before = _files(run)
+    told = complaint(capfd, monkeypatch, "resume", str(run))
+    assert "state.npz is missing" in told
+    assert _files(run) == before
+
+
+@pytest.mark.parametrize("command", ["plot", "render", "report", "export"])
+def test_a_case_that_was_edited_is_not_that_of_the_run(
+    command: str,
+    sound: Path,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(sound, run)
+    case = run / "case.toml"
+    case.write_text(case.read_text().replace("radius = 1.0", "radius = 0.5", 1))
+    told = complaint(capfd, monkeypatch, command, str(run))
+    assert "bodies.0.radius = 1.0 -> 0.5; put the old values back" in told
 
 
 @pytest.mark.parametrize("name", ["flow.png", "flow.gif", "flow.mp4"])

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -98,6 +99,56 @@ def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "full"]
     (tmp_path / "empty").mkdir()
     start(small_case(), tmp_path / "empty")
+
+
+def test_an_empty_folder_is_filled_and_stays_the_one_that_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A shell in it was left in a folder that had been removed; its mode was that of new ones, here 755."""
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    folder.chmod(0o2770)
+    before = folder.stat()
+    monkeypatch.chdir(folder)
+    start(small_case(), Path())
+    assert (folder.stat().st_ino, folder.stat().st_mode) == (before.st_ino, before.st_mode)
+    assert Path("case.toml").is_file()
+    assert [path.name for path in tmp_path.iterdir()] == ["mine"]
+
+
+def test_a_run_that_cannot_begin_leaves_an_empty_folder_empty(tmp_path: Path) -> None:
+    """And takes away one that it has made."""
+
+    class Refused(DiscsBesidePlane):
+        def __call__(self, *_: Any, **__: Any) -> ExactInstant:
+            raise InputError("no")
+
+    (tmp_path / "given").mkdir()
+    for name in ("given", "new"):
+        with pytest.raises(InputError, match=r"^no$"):
+            run(small_case(), tmp_path / name, make=by(partial(Refused, noise=1e-4)))
+    assert [path.name for path in tmp_path.rglob("*")] == ["given"]
+
+
+def test_links_that_lead_in_a_circle(tmp_path: Path) -> None:
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    with pytest.raises(InputError, match="loop: its links lead in a circle; give another folder"):
+        start(small_case(), tmp_path / "loop")
+    with pytest.raises(InputError, match="loop: its links lead in a circle; give another folder"):
+        resume(tmp_path / "loop", make=by(make_model))
+
+
+def test_a_run_that_was_killed_in_its_first_commit_begins_anew(unbroken: Path, tmp_path: Path) -> None:
+    """It has field files and rows of step 0, the last of them cut off, and no state."""
+    folder = tmp_path / "run"
+    RunFolder.create(folder, small_case(), launch())
+    for path in unbroken.glob("fields/*_000000*"):
+        (folder / "fields" / path.name).write_bytes(path.read_bytes())
+    for table in ("steps.csv", "bodies.csv"):
+        lines = (unbroken / table).read_bytes().splitlines(keepends=True)
+        (folder / table).write_bytes(lines[0] + lines[1][:-5])
+    resume(folder, make=by(make_model))
+    assert contents(folder) == contents(unbroken)
 
 
 def test_rows_with_other_columns_than_their_table_are_refused(tmp_path: Path) -> None:

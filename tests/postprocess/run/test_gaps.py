@@ -7,7 +7,7 @@ import pytest
 
 import fsi
 from fsi.case.load import parse_case
-from fsi.postprocess.plots.histories import Asked, _gaps
+from fsi.postprocess.plots.panels import Asked, _gaps
 from fsi.runs import run
 
 

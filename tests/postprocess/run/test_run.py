@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,7 +54,8 @@ def test_steps_and_times_that_are_none(run: Path, tmp_path: Path) -> None:
         with pytest.raises(InputError, match=f"^step = 99: is not there, the last is {last}; give"):
             ask(99)
     opened = fsi.open_run(run)
-    for time in (np.nan, np.inf):
+    times: list[Any] = [np.nan, np.inf, "x", None]
+    for time in times:
         with pytest.raises(InputError, match=f"^time = {time}: give a finite number$"):
             opened.nearest(time)
 
