@@ -1,11 +1,11 @@
-"""Two hundred discs sink in a corner of a box by a law that resolved forces have calibrated.
+"""Two hundred discs sink in a cell that repeats for ever, by a law that resolved forces have calibrated.
 
     python docs/examples/crowd_by_a_law.py [crowd_by_a_law.png]
 
 `fsi calibrate cases/calibration/equal_discs.toml` has fitted kappa(d), the resistance of two equal discs at a
 gap d, to resolved forces; cases/laws/equal_discs.toml holds it. The reduced model moves any number of discs
-by it, without a mesh: `sum of all pairs' kappa(d) d' = F - drag V`. Forces of pairs cancel, so in a cell that
-repeats for ever the mean velocity is F / drag, whatever the discs do to each other.
+by it, without a mesh: `sum of all pairs' kappa(d) d' = F - drag V`. Forces of pairs cancel, so without walls
+the mean velocity is F / drag, whatever the discs do to each other.
 """
 
 import sys

@@ -4,8 +4,9 @@
 
 `fsi mesh CASE -o disc.msh` writes the mesh that a case would have, with physical groups named like its
 walls and bodies; a file of any other program does as well, as long as its boundary is that of the case.
-`domain.mesh` takes it. The force of the fluid on the disc is -466.11048 at unit speed by a reference
-(cases/disc_in_box.toml); on the mesh that the case would have made itself it is the same to rounding.
+`domain.mesh` takes it. The force of the fluid on the disc, which moves down at unit speed, is 466.11048
+upwards by a reference (cases/disc_in_box.toml); on the mesh that the case would have made itself it is the
+same to rounding.
 """
 
 import subprocess

@@ -57,7 +57,7 @@ class Body(Section):
     """
 
     name: Name
-    """a name of letters, digits, blanks, - and _"""
+    """a name of letters, digits, blanks, - and _, neither blank nor - first"""
     shape: Shape | None = None
     """the shape of a body, a table with its kind; a disc or sphere if not given"""
     angle: Angle
@@ -220,7 +220,7 @@ class Grid(Section):
     """Rows of like bodies, a little disturbed; the case holds them one by one, named `NAME k` from 0."""
 
     name: Name
-    """a name of letters, digits, blanks, - and _"""
+    """a name of letters, digits, blanks, - and _, neither blank nor - first"""
     counts: tuple[Annotated[int, Field(ge=1)], ...] = Field(min_length=2, max_length=3)
     """how many in each direction, at least 1"""
     lower: tuple[float, ...]

@@ -38,7 +38,7 @@ class PlaneWall(Section):
     """A plane wall besides those of the domain."""
 
     name: Name
-    """a name of letters, digits, blanks, - and _"""
+    """a name of letters, digits, blanks, - and _, neither blank nor - first"""
     point: tuple[float, ...]
     """a point of the wall"""
     normal: tuple[float, ...]

@@ -9,7 +9,7 @@ from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.report.console import table
-from fsi.report.gaps import gaps_table
+from fsi.report.gaps import print_gaps
 
 
 def components(case: Case) -> tuple[str, ...]:
@@ -25,7 +25,7 @@ def print_case(console: Console, case: Case) -> None:
     if case.bodies:
         console.print(_case_table(case))
         if case.configuration().shaped:
-            console.print(gaps_table(case))
+            print_gaps(console, case)
     if len(case.bodies) > _MOST:
         console.print(f"... {len(case.bodies) - _MOST} more bodies")
     if rows:

@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from rich.table import Table
+from rich.console import Console
 
 from fsi.bodies.configuration import Array
 from fsi.bodies.feet import Feet, find_feet
@@ -34,10 +34,11 @@ def _narrowest_of_pairs(found: Feet) -> Array:
     return found.gaps[found.narrowest][found.of]
 
 
-def gaps_table(case: Case) -> Table:
-    """The same for a reader."""
+def print_gaps(console: Console, case: Case) -> None:
+    """The same for a reader, where there are any."""
     rows = [
         (*row["between"], f"{row['gap']:.6g}", ", ".join(f"{x:.6g}" for x in row["at"]))
         for row in gaps_json(case)
     ]
-    return table(("gap between", "and"), ("width", "at"), rows)
+    if rows:
+        console.print(table(("gap between", "and"), ("width", "at"), rows))

@@ -26,7 +26,8 @@ def counting(what: str) -> Iterator[Callable[[int, int], None]]:
 def _new_bar(*, quiet: bool = False) -> Progress:
     """A bar that is silent on all ranks but root, and where stderr is neither a terminal nor a notebook's."""
     console = Console(stderr=True)
-    shown = not quiet and parallel.is_root() and (sys.stderr.isatty() or console.is_jupyter)
+    terminal = sys.stderr is not None and sys.stderr.isatty()  # it is None where nobody reads
+    shown = not quiet and parallel.is_root() and (terminal or console.is_jupyter)
     text, part = TextColumn("{task.description}"), TextColumn("{task.percentage:.0f} %")
     return Progress(text, BarColumn(), part, TimeRemainingColumn(), console=console, disable=not shown)
 

@@ -21,7 +21,7 @@ from fsi.observables.quantities import Driven, found_flux, found_gradient
 from fsi.observables.truncation import SolvedFlow
 from fsi.report.case import components
 from fsi.report.console import checks_table, print_mesh_instead, table
-from fsi.report.gaps import gaps_json, gaps_table
+from fsi.report.gaps import gaps_json, print_gaps
 
 # Changes of the results in a container of half the radius, where there is one.
 type Truncation = Mapping[str, float] | None
@@ -161,7 +161,7 @@ def print_solution(
     """The same for a reader: a table of the bodies, then one of the checks."""
     console.print(_bodies_table(case, solution, errors))
     if case.configuration().shaped:
-        console.print(gaps_table(case))
+        print_gaps(console, case)
     if solution.bulk is not None and errors.stress is not None:
         console.print(_stress_table(solution.bulk, errors, errors.stress))
     console.print(checks_table("check, relative", solution.checks | truncation_checks(truncated)))

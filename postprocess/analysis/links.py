@@ -1,6 +1,6 @@
 """Links of close discs, and what the fluid dissipates in each: by lubrication, or in the necks of pores.
 
-In each close pair, of radii a_i and a_j or of a disc and a wall (a_j infinite), lubrication dissipates
+In each close pair, of radii a_i and a_j (of a wall infinite, of a round one -R), lubrication dissipates
 
     kappa(d) (G.u)^2,   kappa = 3 sqrt2 pi mu (a/d)^(3/2),   a = a_i a_j / (a_i + a_j),   G.u = d'
 
@@ -100,7 +100,10 @@ def _lubricated(case: Case, q: Configuration, links: ChainLinks, x: Array) -> Ch
     (i, j), a = links.ends.T, q.radii
     is_wall = j >= len(q)
     other = a[np.where(is_wall, 0, j)]
-    radius = np.where(is_wall, a[i], a[i] * other / (a[i] + other))
+    spheres = case.container().spheres
+    curvature = np.array([*(0.0 if sphere is None else 1.0 / sphere.radius for sphere in spheres), 0.0])
+    of_wall = curvature[np.where(is_wall, j - len(q), -1)]
+    radius = np.where(is_wall, 1.0 / (1.0 / a[i] - of_wall), a[i] * other / (a[i] + other))
     if case.model == "reduced":
         kappa = make_laws(case).kappa(x, Films(radius, overlap(radius, a[i]), is_wall))
     else:

@@ -12,12 +12,12 @@ from fsi.postprocess.analysis.chains import Chains
 from fsi.postprocess.analysis.memory import ContactMemories
 from fsi.postprocess.analysis.settling import Settling
 from fsi.postprocess.plots.arrangement import draw_case
-from fsi.postprocess.plots.figure import BLUE, GREY, ORANGE, saved_figure
+from fsi.postprocess.plots.figure import BLUE, GREY, ORANGE, plain, saved_figure
 from fsi.postprocess.run.gaps import CLOSE
 
 
 def plot_chains(chains: Chains, path: Path) -> None:
-    """Draw the bodies of a box or cell and their links, by what each costs the flow. Raises InputError."""
+    """Draw bodies and their links, by what each costs the flow. Raises InputError as `draw_case`."""
     links, n = chains.links, len(chains.q)
     of_each = links.dissipation / chains.dissipation if chains.shares is None else np.abs(chains.shares)
     share = np.maximum(np.tile(of_each, 2), 1e-6)
@@ -60,7 +60,9 @@ def plot_settling(history: Settling, path: Path) -> None:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.5, 1.0])
         upper.loglog(t, exact, color=GREY, lw=5, alpha=0.6, label="exact")
         upper.loglog(t, gap, "o-", color=BLUE, ms=3.5, lw=1, label="computed")
-        upper.set(ylabel="gap / radius", title=f"{history.body} settling onto a plane under a constant force")
+        upper.set(
+            ylabel="gap / radius", title=f"{plain(history.body)} settling onto a plane under a constant force"
+        )
         upper.legend()
         _draw_difference(lower, history)
         for axis in (upper.xaxis, upper.yaxis, lower.xaxis, lower.yaxis):

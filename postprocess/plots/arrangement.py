@@ -19,6 +19,7 @@ from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.plots.figure import ORANGE, saved_figure
 from fsi.postprocess.run.gaps import CLOSE
@@ -40,11 +41,13 @@ def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
 def draw_case(figure: Figure, case: Case, q: Configuration, t: float) -> tuple[Axes, Array]:
     """Draw the bodies of a case at q and time t; gives the axes, and the centres as they are drawn.
 
-    Raises InputError: they are neither in a box nor in a cell.
+    Raises InputError: they are neither in a box, nor in a cell, nor in a round container.
     """
     container = case.container().at(t, q.strain)
     if len(container.periods) == container.dimension:
         return _draw_lattice(figure, container, q)
+    if len(container.spheres) == 1 and (around := container.spheres[0]) is not None:
+        return _draw_round(figure, around, q), q.centres
     arrangement = _arrangement_of(case, q)
     return _draw_bodies(figure, arrangement), arrangement.centres
 
@@ -53,7 +56,9 @@ def _arrangement_of(case: Case, q: Configuration) -> Arrangement:
     """The bodies of a case at q, from the lower corner of its box. Raises InputError for other shapes."""
     box = case.domain.model_dump()
     if "lower" not in box or "upper" not in box:
-        raise InputError(f'domain.shape = "{box["shape"]}": only bodies in a box can be drawn')
+        raise InputError(
+            f'domain.shape = "{box["shape"]}": only bodies in a box, a cell or a round container can be drawn'
+        )
     lower, sides = np.array(box["lower"]), np.subtract(box["upper"], box["lower"])
     periodic = tuple(axis in box.get("periodic", ()) for axis in "xyz"[: len(sides)])
     cell = SimulationCell(tuple(sides.tolist()), periodic)
@@ -97,6 +102,16 @@ def _draw_lattice(figure: Figure, container: Container, q: Configuration) -> tup
     (left, low), (right, high) = corners.min(axis=0) - room, corners.max(axis=0) + room
     axes.set(xlim=(left, right), ylim=(low, high))
     return axes, home
+
+
+def _draw_round(figure: Figure, around: Sphere, q: Configuration) -> Axes:
+    """The discs at q in their round container."""
+    axes = _new_axes(figure, _LONGEST_SIDE, _LONGEST_SIDE)
+    _add_bodies(axes, q.centres, q.radii)
+    axes.add_patch(Circle(tuple(around.centre), around.radius, fill=False, lw=3.0, ec=_FRAME, zorder=4))
+    (x, y), room = around.centre, 1.02 * around.radius
+    axes.set(xlim=(x - room, x + room), ylim=(y - room, y + room))
+    return axes
 
 
 def _new_axes(figure: Figure, width: float, height: float) -> Axes:

@@ -16,7 +16,7 @@ from fsi.errors import InputError
 from fsi.files import json_of
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.lubrication.named_laws import exact_resistance
-from fsi.postprocess.plots.figure import BLUE, GREEN, GREY, LIGHT, ORANGE, Theme, saved_figure
+from fsi.postprocess.plots.figure import BLUE, GREEN, GREY, LIGHT, ORANGE, Theme, plain, saved_figure
 
 _COLUMNS = ("gap", "kappa", "error")
 _REMEDY = "give the folder of a calibration"
@@ -36,7 +36,7 @@ def plot_calibration(folder: Path, output: Path, theme: Theme = LIGHT) -> None:
     d = np.geomspace(samples["gap"].min(), samples["gap"].max(), 400)
     with saved_figure(output, (8.0, 7.5), theme=theme) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
-        upper.set(title=title)
+        upper.set(title=plain(title))
         _draw_law(upper, law, samples, d, a)
         _draw_rest(lower, law, samples, d, a)
 

@@ -1,4 +1,4 @@
-"""What all figures share: their style, their colours, labels of logarithmic axes, and how they are saved."""
+"""What all figures share: their style, their colours, names and labels, and how they are saved."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -60,14 +60,23 @@ def saved_figure(
     A file that was there before stays until the new one is complete. Raises InputError.
     """
     with mpl.rc_context(theme.style | {"font.size": font}):
-        figure = Figure(figsize=size, layout="constrained")
+        figure, kind = Figure(figsize=size, layout="constrained"), path.suffix.removeprefix(".")
+        if kind not in figure.canvas.get_supported_filetypes():
+            raise InputError(f"output = {path}: this suffix is of no picture; choose another path")
         yield figure
         try:
             with appearing(path) as partial:
-                figure.savefig(partial, dpi=dpi, format=path.suffix.removeprefix(".") or None)
-        except (OSError, ValueError) as error:  # ValueError: a suffix that it does not know
-            reason = getattr(error, "strerror", None) or error
-            raise InputError(f"output = {path}: {reason}; choose another path") from None
+                figure.savefig(partial, dpi=dpi, format=kind)
+        except OSError as error:
+            raise InputError(f"output = {path}: {error.strerror or error}; choose another path") from None
+
+
+def plain(text: str) -> str:
+    """A name that users give as matplotlib draws it letter by letter.
+
+    What stands between two $ would be a formula, and legends leave out labels that begin with _.
+    """
+    return ("\u200b" if text.startswith("_") else "") + text.replace("$", r"\$")
 
 
 def require_figure(path: Path) -> None:

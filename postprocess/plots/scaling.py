@@ -10,7 +10,7 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import content, replace
-from fsi.postprocess.plots.figure import COLOURS, LIGHT, Theme, label_short, saved_figure
+from fsi.postprocess.plots.figure import COLOURS, LIGHT, Theme, label_short, plain, saved_figure
 
 type Curves = Mapping[str, Sequence[tuple[int, float]]]
 
@@ -33,10 +33,11 @@ def plot_scaling(source: Path, output: Path, theme: Theme = LIGHT) -> None:
         for k, (name, curve) in enumerate(curves.items()):
             N, seconds = np.array(sorted(curve), dtype=float).T
             colour, marker = COLOURS[k % len(COLOURS)], _MARKERS[k % len(_MARKERS)]
-            axes.plot(N, seconds, marker, color=colour, label=f"{name}{_slope(N, seconds)}")
+            axes.plot(N, seconds, marker, color=colour, label=f"{plain(name)}{_slope(N, seconds)}")
             axes.plot(N, seconds[-1] * N / N[-1], "--", lw=1.0, color=colour)
         axes.plot([], [], "k--", lw=1.0, label="in proportion to N, from the largest")
-        axes.set(xscale="log", yscale="log", title=title, xlabel=f"N, number of {size}", ylabel="CPU seconds")
+        axes.set(xscale="log", yscale="log", title=plain(title), ylabel="CPU seconds")
+        axes.set_xlabel(f"N, number of {plain(size)}")
         axes.set(xlim=_ends(curves, 0), ylim=_ends(curves, 1))
         label_short(axes.xaxis)
         label_short(axes.yaxis)

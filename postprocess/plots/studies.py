@@ -19,7 +19,7 @@ from fsi.comparison.viscosity import ViscosityHistories
 from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
-from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, saved_figure
+from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, plain, saved_figure
 from fsi.validation.rows import SPHERE, TERMS, Row
 
 _NAMED = 10  # most bodies that get a colour and a name
@@ -62,7 +62,7 @@ def _draw_gaps(axes: Axes, names: Sequence[str], comparison: RateComparison) -> 
             {"color": GREY} if many else {"color": COLOURS[i % len(COLOURS)], "marker": _MARKERS[i]}
         )
         own |= {"markevery": (i * marks // len(names), marks), "mfc": "none"}
-        t, label = comparison.t, None if many else name
+        t, label = comparison.t, None if many else plain(name)
         axes.semilogy(t, comparison.gap[:, i], lw=1.5, label=label, **own)
         axes.semilogy(t, comparison.reduced_gap[:, i], "--", lw=1.0, **own)
     axes.set(xlabel="t", ylabel="smallest gap of each body", title="resolved (lines), reduced (dashed)")
@@ -114,7 +114,7 @@ def plot_limit(name: str, study: Study, path: Path) -> None:
             below.plot(solution.t, solution.gamma, color=colour)
         above.plot(study.t, study.q, "k--", lw=1.0, label="limit")
         below.plot(study.t, study.gamma, "k--", lw=1.0)
-        above.set(ylabel=r"distance $q_\varepsilon$", title=name)
+        above.set(ylabel=r"distance $q_\varepsilon$", title=plain(name))
         below.set(
             ylabel=r"memory $\gamma_\varepsilon = \varepsilon\,\ln(q_\varepsilon/a)$", xlabel="time $t$"
         )

@@ -5,12 +5,15 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import NullFormatter
 
+from fsi.bodies.configuration import Array
 from fsi.case.section import toml_text
-from fsi.postprocess.plots.figure import COLOURS, saved_figure
+from fsi.postprocess.plots.figure import COLOURS, plain, saved_figure
 from fsi.studies.sweep import Average, SweepPlan, SweepRow
 
 _MARKERS = "os^Dv<>"
+_DECADES = 2.0  # that values span from which on their axis may be logarithmic
 
 
 def plot_sweep(plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence[Average], path: Path) -> None:
@@ -43,11 +46,24 @@ def _draw(axes: Axes, plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence
         mean, deviation = (
             np.array([getattr(one, name) for one in of_curve]) for name in ("mean", "deviation")
         )
-        axes.errorbar(x, mean, np.nan_to_num(deviation), color=colour, marker=marker, capsize=3, label=label)
+        axes.errorbar(
+            x, mean, np.nan_to_num(deviation), color=colour, marker=marker, capsize=3, label=plain(label)
+        )
         for i, at in zip(order, x, strict=True):
             group = rows[(i * curves + k) * each : (i * curves + k + 1) * each]
             known = [row.values[of_curve[0].quantity].value for row in group if row.values is not None]
             axes.plot(np.full(len(known), at), known, ".", color=colour, alpha=0.4, ms=5, zorder=1)
-    axes.set(xlabel=plan.keys[0].name if plan.keys else "")
+    axes.set(xlabel=plain(plan.keys[0].name) if plan.keys else "")
+    if numeric and _are_decades(np.sort(place)):
+        axes.set_xscale("log")
+        axes.xaxis.set_minor_formatter(NullFormatter())
     if not numeric or not plan.keys:
-        axes.set_xticks(place, [toml_text(value) for value in values] if plan.keys else [""])
+        axes.set_xticks(place, [plain(toml_text(value)) for value in values] if plan.keys else [""])
+
+
+def _are_decades(x: Array) -> bool:
+    """Whether ascending values span decades, and more evenly by their logarithms than by themselves."""
+    if x[0] <= 0.0 or x[-1] < 10.0**_DECADES * x[0]:
+        return False
+    unevenness = [np.diff(of).std() / np.ptp(of) for of in (np.log(x), x)]
+    return bool(unevenness[0] < unevenness[1])

@@ -229,13 +229,6 @@ def field_names() -> list[str]:
     return [*_FIELDS]
 
 
-def require_no_mesh(field: RenderedField, model: str) -> None:
-    """Raise InputError where a model without a mesh is asked for a field that needs one."""
-    if field.of_mesh:
-        known = ", ".join(name for name, each in _FIELDS.items() if not each.of_mesh)
-        raise InputError(f'--field {field.name}: model = "{model}" has no mesh; give one of {known}')
-
-
 def rendered_field(name: str) -> RenderedField:
     """The field of that name. Raises InputError: there is none."""
     known = field_names()

@@ -82,8 +82,9 @@ class NetworkArtist(Artist):
         draw = self._plane if self.run.case.dimension == 2 else self._space
         ends: Cut = "neither" if self.choice.span is None and shades.norm.vmin == 0.0 else "both"
         for step, network in zip(steps, networks, strict=True):
-            title = f"{self.lines}, width and colour by {label}"
-            framed = Framed(draw(network, view, shades), title, view.half, label, shades, ends)
+            title = f"{self.lines}, width and colour by {label}" if values.size else f"no {self.lines}"
+            meaning = shades if values.size else None
+            framed = Framed(draw(network, view, shades), title, view.half, label, meaning, ends)
             yield compose(self.title(step), [framed], self.choice.theme)
 
     def _window(self, steps: Sequence[int], networks: Sequence[ContactNetwork]) -> View:  # noqa: ARG002

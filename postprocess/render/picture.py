@@ -26,7 +26,7 @@ from PIL import Image
 
 from fsi.bodies.surface_gap import SurfaceGap, gap_between
 from fsi.errors import InputError
-from fsi.postprocess.plots.figure import LIGHT, Theme, label_short
+from fsi.postprocess.plots.figure import LIGHT, Theme, label_short, plain
 from fsi.postprocess.render.canvas import Picture, require_opengl
 from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.gaps import parse_sides
@@ -84,7 +84,7 @@ class Artist(ABC):
 
     def title(self, step: int) -> str:
         """What is written above a picture."""
-        return f"{self.run.case.name},  t = {self.times[step]:.6g}"
+        return f"{plain(self.run.case.name)},  t = {self.times[step]:.6g}"
 
 
 class FlowArtist(Artist):
@@ -115,7 +115,7 @@ class Framed:
         title: what is written above it.
         half: half its width, a length.
         label: what its colour bar says.
-        shades: what its colours mean.
+        shades: what its colours mean; None where nothing has one, and there is no colour bar.
         cut: at which ends of the colours values lie beyond, as a colour bar of matplotlib has it.
     """
 
@@ -123,7 +123,7 @@ class Framed:
     title: str
     half: float
     label: str
-    shades: ScalarMappable
+    shades: ScalarMappable | None
     cut: Cut = "neither"
 
     @property
@@ -144,6 +144,8 @@ def compose(title: str, panels: Sequence[Framed], theme: Theme = LIGHT) -> Pictu
             left, low = k * (1.0 + _BAR) + _GAP, _BELOW + 0.5 * (tallest - panel.aspect)
             axes = figure.add_axes((left / wide, low / high, 1.0 / wide, panel.aspect / high))
             _frame(axes, panel)
+            if panel.shades is None:
+                continue
             bar = figure.add_axes(((left + 1.015) / wide, low / high, 0.03 / wide, panel.aspect / high))
             shown = figure.colorbar(panel.shades, cax=bar, extend=panel.cut, extendfrac=0.025)
             if isinstance(norm := panel.shades.norm, LogNorm):

@@ -14,12 +14,14 @@ from fsi.postprocess.render.fields import (
     DISTURBANCE,
     RenderedField,
     Span,
+    field_names,
     rendered_field,
-    require_no_mesh,
 )
 from fsi.postprocess.render.mean_flow import is_sheared, sliding_walls
+from fsi.postprocess.render.network import NECKS
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.scenes import Scene, gap_at, in_window, scene, window_on
+from fsi.postprocess.render.suspended import MOTION
 from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.run import Run
 
@@ -42,10 +44,9 @@ class PlanarArtist(FlowArtist):
             panels = [(choice.field or flow, False)]
         if choice.field == DISTURBANCE and not sheared:
             raise InputError(f"--field {DISTURBANCE}: bodies disturb no sheared flow in this run; give speed")
+        for name, _ in panels:
+            _require_shown(run, name, sheared)
         self.panels = [(rendered_field(name), close) for name, close in panels]
-        for field, _ in self.panels:
-            if not run.case.level.meshed:
-                require_no_mesh(field, run.case.model)
         # The last of each is kept: its colours are wanted before its picture.
         self._mesh = lru_cache(maxsize=1)(run.mesh)
         self._scenes = lru_cache(maxsize=1)(self._read)
@@ -123,3 +124,22 @@ def _draw(panel: Panel, seen: Scene, field: RenderedField, shades: ScalarMappabl
         panel.lines(surface.contour(levels, scalars="psi"), "white", width=3, opacity=0.8)
     if field.edges:
         panel.lines(edges(seen.fluid), INK, width=3)
+
+
+def _require_shown(run: Run, name: str, sheared: bool) -> None:
+    """Raise InputError where no field has that name, or it needs a mesh that the run has not."""
+    if name in field_names() and (run.case.level.meshed or not rendered_field(name).of_mesh):
+        return
+    why = f'model = "{run.case.model}" has no mesh; ' if name in field_names() else ""
+    raise InputError(f"--field {name}: {why}give one of {', '.join(_shown(run, sheared))}")
+
+
+def _shown(run: Run, sheared: bool) -> list[str]:
+    """The fields that the last step with a flow can show, and what is drawn without it."""
+    meshed, case, has = run.case.level.meshed, run.case, {*run.mesh().point_data}
+    has |= {DISTURBANCE} if sheared else set[str]()
+    has |= {"traction"} if meshed and case.bodies else set[str]()
+    fields = (rendered_field(name) for name in field_names())
+    shown = [field.name for field in fields if has >= {*field.needs} and (meshed or not field.of_mesh)]
+    necks = [NECKS] if run.has(NECKS) else []
+    return shown + necks + ([MOTION] if case.geometry == "planar" and case.bodies else [])

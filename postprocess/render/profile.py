@@ -17,7 +17,7 @@ from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 
 _LABELS = {name: label for name, (label, _) in PROFILES.items()}
-_ROUNDING = 1e-9  # of the largest number in a profile
+_ROUNDING = 1e-9  # of the scale of a column
 
 
 class ProfileArtist(Artist):
@@ -41,8 +41,8 @@ class ProfileArtist(Artist):
         """A picture of each step."""
         profiles = [self._read(step) for step in steps]
         columns = {name: np.concatenate([of[name] for of in profiles]) for name in profiles[0]}
-        least = _ROUNDING * max(float(np.abs(values).max()) for values in columns.values())
-        ends = {name: _ends(values, least) for name, values in columns.items()}
+        scales = _scales(self.run)
+        ends = {name: _ends(values, scales[name]) for name, values in columns.items()}
         if self.choice.span is not None:
             ends |= dict.fromkeys(self.names, self.choice.span)
         for step, profile in zip(steps, profiles, strict=True):
@@ -54,10 +54,17 @@ class ProfileArtist(Artist):
         return {"x": np.asarray(grid.points)[:, 0]} | {name: np.asarray(grid[name]) for name in self.names}
 
 
-def _ends(values: Array, least: float) -> Span:
-    """Of an axis that shows all values, and a little more; what differs by less is constant."""
+def _scales(run: Run) -> dict[str, float]:
+    """Of each column the largest number in the run, for the memory at least the mass times that of u."""
+    table = run.table("profiles")
+    largest = {name: float(table[name].abs().max()) for name in ("m", "x", *_LABELS)}
+    return largest | {"gamma": max(largest["gamma"], largest["m"] * largest["u"])}
+
+
+def _ends(values: Array, scale: float) -> Span:
+    """Of an axis that shows all values, and a little more; what differs by rounding is constant."""
     low, high = float(values.min()), float(values.max())
-    room = 0.05 * (high - low) if high - low > least else 0.5
+    room = 0.05 * (high - low) if high - low > _ROUNDING * scale else 0.5 * (scale or 1.0)
     return low - room, high + room
 
 

@@ -170,3 +170,13 @@ def test_a_file_that_the_disk_does_not_take_whole_is_none(part: float, run: Path
     (line,) = done.stderr.splitlines()
     assert line.endswith("fields.vtkhdf: could not be written, perhaps for want of room")
     assert not list(run.glob("*fields.vtkhdf"))
+
+
+def test_a_full_disk_takes_no_file(run: Path) -> None:
+    """The name of the file, but nothing in it: VTK's writer tried for ever."""
+    command = [sys.executable, "-c", SHORT_OF_ROOM, "export", str(run), "0"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=100)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "fields.vtkhdf: File too large; " in line
+    assert not list(run.glob("*fields.vtkhdf"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,20 @@ def test_what_cannot_be_written_says_so(run: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"there is no case\.toml"):
         write_step_mesh(tmp_path, 0, tmp_path / "x.msh")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_step_whose_file_is_lost_or_damaged(run: Path, tmp_path: Path) -> None:
+    """`fsi resume` mends no field files, which a run does not need to go on."""
+    copied = tmp_path / "run"
+    shutil.copytree(run, copied)
+    lost = copied / "fields" / "fluid_000000.vtu"
+    lost.write_text("no grid")
+    remedy = "; run the case again, or ask for another step"
+    with pytest.raises(MeshFileError, match=rf"{lost.name}: cannot be read .*{remedy}"):
+        write_step_mesh(copied, 0, tmp_path / "x.msh")
+    lost.unlink()
+    with pytest.raises(MeshFileError, match=rf"{lost.name}: is not there, or no file{remedy}"):
+        write_step_mesh(copied, 0, tmp_path / "x.msh")
 
 
 def on_two_ranks(folder: Path, output: Path) -> subprocess.CompletedProcess[str]:

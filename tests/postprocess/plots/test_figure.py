@@ -6,7 +6,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from fsi.errors import InputError
-from fsi.postprocess.plots.figure import SUFFIXES, require_figure, saved_figure
+from fsi.postprocess.plots.figure import SUFFIXES, plain, require_figure, saved_figure
 
 
 def test_a_picture_that_is_there_stays_until_the_new_one_is_complete(
@@ -46,3 +46,23 @@ def test_what_is_no_path_of_a_figure_is_refused(name: str, tmp_path: Path) -> No
     with pytest.raises(InputError, match="choose another path"), saved_figure(tmp_path / name, (1.0, 1.0)):
         pass
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_that_cannot_be_drawn_does_not_blame_its_path(tmp_path: Path) -> None:
+    """A formula that is none is a mistake here: another path would not help."""
+    with (
+        pytest.raises(ValueError, match="Unknown symbol"),
+        saved_figure(tmp_path / "a.png", (1.0, 1.0)) as figure,
+    ):
+        figure.text(0.0, 0.0, r"$\nothing$")
+
+
+@pytest.mark.parametrize("name", ["$x_2$", r"two $$ and \alpha", r"a \$ and $", "one $", "_a", "_$a$"])
+def test_names_are_drawn_letter_by_letter(name: str) -> None:
+    """As wide as where nothing is read as a formula; and legends have them all."""
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot([0.0], label=plain(name))
+    (text,) = axes.legend().get_texts()
+    raw = figure.text(0.0, 0.0, name, parse_math=False, fontsize=text.get_fontsize())
+    assert text.get_window_extent().width == pytest.approx(raw.get_window_extent().width, abs=1.0)

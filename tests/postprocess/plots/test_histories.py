@@ -5,13 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import fsi
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
-from fsi.postprocess.plots import histories
-from fsi.postprocess.plots.histories import of_steps, plot_runs, read_history, register_panel
+from fsi.postprocess.plots.histories import plot_runs, read_history
+from fsi.postprocess.plots.panels import PANELS, of_steps, register_panel
+from tests.commands import fsi_command
 
 Fill = Callable[[list[float], list[float]], Path]
 BODY = {"name": "body", "radius": 0.5, "position": [0.0, 0.6], "force": [0.0, -3.0]}
@@ -98,10 +100,95 @@ def test_unknown_suffix(settling_run: Fill) -> None:
 
 def test_a_panel_that_is_registered_is_drawn(settling_run: Fill, monkeypatch: pytest.MonkeyPatch) -> None:
     run = fsi.open_run(filled(settling_run))
-    monkeypatch.setattr(histories, "_PANELS", dict(histories._PANELS))
+    for title in ("twice", "none"):
+        monkeypatch.setitem(PANELS, title, of_steps(title))  # taken out again at the end
     register_panel("twice", lambda asked: {"": 2.0 * asked.run.steps["apparent_viscosity"].to_numpy()})
     register_panel("none", of_steps("no_such_column"))
     panels = read_history(run).panels
     assert [*panels][-2:] == ["apparent viscosity", "twice"]
     np.testing.assert_allclose(panels["twice"][""], [4.0, 5.0, 6.0])
     plot_runs([run], run.path / "history.png")
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that are drawn, in place of their files."""
+    figures: list[Figure] = []
+
+    def savefig(figure: Figure, path: Path, **_: object) -> None:
+        path.touch()
+        figures.append(figure)
+
+    monkeypatch.setattr(Figure, "savefig", savefig)
+    return figures
+
+
+def resting(fill: Fill, height: float, rows: int) -> fsi.Run:
+    """A disc that stays at a height for so many rows."""
+    folder = fill([0.1 * k for k in range(rows)], [height] * rows)
+    steps = [f"{k},{0.1 * k}" for k in range(rows)]
+    (folder / "steps.csv").write_text("\n".join(["step,t", *steps]) + "\n")
+    return fsi.open_run(folder)
+
+
+def test_an_axis_of_a_constant_goes_upwards(settling_run: Fill, drawn: list[Figure], tmp_path: Path) -> None:
+    """A coordinate of -2 stands between -2.4 and 0, one of 2 between 0 and 2.4, a fifth beyond."""
+    for y, ends in ((-2.0, (-2.4, 0.0)), (2.0, (0.0, 2.4))):
+        plot_runs([resting(settling_run, y, 2)], tmp_path / "a.png", curves="y")
+        assert drawn[-1].axes[0].get_ylim() == pytest.approx(ends)
+
+
+@pytest.mark.parametrize(("rows", "marker"), [(1, "o"), (20, "")])
+def test_few_rows_have_marks(
+    rows: int, marker: str, settling_run: Fill, drawn: list[Figure], tmp_path: Path
+) -> None:
+    """One row alone draws no line."""
+    plot_runs([resting(settling_run, 1.2, rows)], tmp_path / "a.png")
+    for axes in drawn[0].axes:
+        assert {line.get_marker() for line in axes.lines if line.get_label() == "disc"} == {marker}
+
+
+def write_pair(folder: Path, load: float, spin: float = 0.0, speed: float = 1.0) -> fsi.Run:
+    """Body _a with a load of 38, _b with the given one; both with these speeds; two rows."""
+    case = (
+        'name = "$a_1$ and $"\nfluid.viscosity = 2.0\ndomain.lower = [0.0, 0.0]\ndomain.upper = [9.0, 9.0]\n'
+    )
+    bodies = [("_a", 2.0, 38.0), ("_b", 6.0, load)]
+    for name, x, _ in bodies:
+        case += f'[[bodies]]\nname = "{name}"\nradius = 1.0\nposition = [{x}, 2.0]\n'
+    (folder / "case.toml").write_text(case)
+    rows = [f"{n},{n}.0,{name},{x},2.0,0,{speed},0,{spin},{F},0,0" for n in range(2) for name, x, F in bodies]
+    head = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T"
+    (folder / "bodies.csv").write_text("\n".join([head, *rows]) + "\n")
+    (folder / "steps.csv").write_text("step,t\n0,0.0\n1,1.0\n")
+    return fsi.open_run(folder)
+
+
+@pytest.mark.parametrize(("load", "shown"), [(3e-14, 0.0), (3e-3, 3e-3)])
+def test_a_free_body_beside_a_held_one_has_no_load(tmp_path: Path, load: float, shown: float) -> None:
+    """Rounding of 3e-14 beside 38 put an axis over 15 decades; 3e-3 is a load."""
+    found = read_history(write_pair(tmp_path, load)).panels["load"]
+    np.testing.assert_array_equal(found["_a"], 38.0)
+    np.testing.assert_array_equal(found["_b"], shown)
+
+
+def test_a_body_that_only_turns_has_no_load(tmp_path: Path) -> None:
+    """Of a force that is 1e-8 of viscosity times radius times spin; without a spin it is drawn."""
+    for spin, has in ((3e9, False), (0.0, True)):
+        run = write_pair(tmp_path, 0.0, spin, speed=0.0)
+        assert ("load" in read_history(run).panels) is has
+
+
+def test_names_are_drawn_as_they_are(tmp_path: Path, drawn: list[Figure]) -> None:
+    """Titles have their $, legends the bodies whose names begin with _."""
+    plot_runs([write_pair(tmp_path, 1.0)], tmp_path / "a.png")
+    assert drawn[0].axes[0].get_title(loc="left") == r"\$a_1\$ and \$"
+    assert [text.get_text()[-2:] for text in drawn[0].legends[0].get_texts()] == ["_a", "_b"]
+
+
+@pytest.mark.parametrize("words", [(), ("--paths",)])
+def test_a_folder_that_is_none_is_told_of_before_its_figure(
+    words: tuple[str, ...], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert fsi_command("plot", tmp_path / "nonexist", *words) == 2
+    assert capfd.readouterr().err.startswith(f"error: run = {tmp_path / 'nonexist'}: there is no case.toml")

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 import fsi
 from fsi.errors import InputError
+from fsi.postprocess.render import network, picture
 from fsi.postprocess.render.network import NetworkArtist
+from fsi.postprocess.render.picture import Framed
 from fsi.postprocess.render.render import render_run
 from fsi.postprocess.render.view import Choice
 
@@ -103,3 +105,20 @@ def test_contacts_that_are_none_are_refused(pile: Path) -> None:
     (pile / "contacts.pvd").write_text((pile / "bodies.pvd").read_text())
     with pytest.raises(InputError, match=r"its series contacts has no force or gamma; .*run the case again"):
         NetworkArtist(fsi.open_run(pile), Choice())
+
+
+@pytest.mark.usefixtures("drawing")
+def test_without_contacts_nothing_has_a_colour(pile: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bar from 0 to 1 would be of no number in the run."""
+    framed: list[Framed] = []
+
+    def compose(_: str, panels: list[Framed], __: object) -> NDArray[np.uint8]:
+        framed.extend(panels)
+        return picture.compose("", panels)
+
+    path = pile / "fields" / "contacts_000000.vtu"
+    empty = {"line": np.empty((0, 2), dtype=int)}, {"gamma": [np.empty(0)]}
+    meshio.Mesh(np.zeros((1, 3)), empty[0], cell_data=empty[1]).write(path, file_format="vtu")
+    monkeypatch.setattr(network, "compose", compose)
+    render_run(fsi.open_run(pile), pile / "a.png", Choice(size=SIZE))
+    assert [(panel.shades, panel.title) for panel in framed] == [(None, "no contacts")]

@@ -14,7 +14,7 @@ import fsi
 from fsi.errors import InputError
 from fsi.postprocess.plots.trajectories import space_time_figure
 from fsi.postprocess.render import canvas
-from fsi.postprocess.render.profile import ProfileArtist, profile_figure
+from fsi.postprocess.render.profile import ProfileArtist, _ends, _scales, profile_figure
 from fsi.postprocess.render.render import render_run
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
@@ -43,6 +43,29 @@ def test_a_figure_shows_where_the_blocks_are(blocks: Run) -> None:
     np.testing.assert_allclose(u, np.where(left, 1.0, -0.5))
     np.testing.assert_allclose(gamma, 0.0, atol=1e-12)
     assert rho[2:18] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("a", [1e-9, 1.0, 1e12])
+def test_axes_are_the_same_in_any_unit_of_length(a: float, tmp_path: Path) -> None:
+    """Matter of density 1/2 that u = -x brings together at t = 1/2, with gamma = (x^2 - a^2 / 4) then.
+
+    Its mass is a, and gamma has the unit a^2: 1e-18 is no rounding then, and 1e9 is.
+    """
+    block = {"left": -a, "right": a, "density": 0.5, "initial_velocity": "-x"}
+    matter, line = {"parcels": 40, "blocks": [block]}, {"shape": "unbounded"}
+    case = fsi.make_case(
+        name="t", model="macroscopic", domain=line, macroscopic=matter,
+        time={"end": 1.0, "step": 0.01}, output={"interval": 0.25},
+    )  # fmt: skip
+    fsi.run(case, tmp_path / "run")
+    artist = ProfileArtist(fsi.open_run(tmp_path / "run"), Choice())
+    scales, profiles = _scales(artist.run), [artist._read(step) for step in (25, 100)]
+    pairs = ((name, of) for of in profiles for name in ("x", "rho", "u", "gamma"))
+    widths = np.array([np.diff(_ends(of[name], scales[name]))[0] for name, of in pairs]).reshape(2, 4)
+    unit = np.array([a, 1.0, a, a**2])
+    # Over 40 parcels; u and gamma that are constant have their scale for width.
+    expected = [[1.1 * 0.75 * 1.95, 1.0, 1.1 * 1.95, 0.975**2], [1.1 * 0.975, 1.0, 1.95 / 2, 1.1 * 0.25]]
+    np.testing.assert_allclose(widths / unit, expected, rtol=0.05)
 
 
 def test_pictures_and_animations(blocks: Run) -> None:
