@@ -12,6 +12,7 @@ from importlib.metadata import PackageNotFoundError, distribution
 from types import ModuleType
 from typing import Any
 
+from fsi.machine.signals import held
 from fsi.meshes.mpi import load_mpi
 
 # Another build of what the wheel brings. It reads the metadata of all installed packages to find them, which
@@ -52,11 +53,13 @@ def _without_numba(name: str) -> ModuleType:
 @cache
 def petsc_forms() -> ModuleType:
     """dolfinx.fem.petsc, which makes PETSc's matrices of forms; flows in the plane do without."""
-    return _without_numba("dolfinx.fem.petsc")
+    with held():
+        return _without_numba("dolfinx.fem.petsc")
 
 
-load_mpi()
-_beside = _folder("dolfinx_solver")
-if _beside and (any(map(_is_installed, FOREIGN)) or _folder("petsc4py") != _beside):
-    importlib.import_module("dolfinx_solver")
-_without_numba("dolfinx")
+with held():
+    load_mpi()
+    _beside = _folder("dolfinx_solver")
+    if _beside and (any(map(_is_installed, FOREIGN)) or _folder("petsc4py") != _beside):
+        importlib.import_module("dolfinx_solver")
+    _without_numba("dolfinx")

@@ -26,9 +26,10 @@ from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.matching import PeriodicPairs, matching_points
 from fsi.meshes.helping import help_root, helped
 from fsi.meshes.planar.boundary import boundary
+from fsi.meshes.planar.far_size import FarSize
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.sizing import Curve
-from fsi.meshes.planar.triangulate import FarSize, Indices, StraightCells, places_of, side_keys, triangulate
+from fsi.meshes.planar.triangulate import Indices, StraightCells, places_of, side_keys, triangulate
 from fsi.meshes.resolution import Resolution
 
 # dolfinx's generic types at double precision.
@@ -169,7 +170,8 @@ def _triangles(domain: FluidDomain, resolution: Resolution) -> StraightTriangles
     h_body = resolution.on_body(float(domain.radii.max(initial=0.0)))
     slope, sparse = SLOPE * resolution.growth, resolution.interior == "sparse"
     grading = Grading.of(domain, resolution.growth)
-    far = FarSize(len(domain.radii), h_body, slope, domain.container.size(), grading, alone=sparse)
+    size, bodies = domain.container.size(), len(domain.radii)
+    far = FarSize(bodies, h_body, slope, size, grading, alone=sparse, bent=domain.bent)
     return StraightTriangles(triangulate(curves, far), curves)
 
 

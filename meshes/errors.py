@@ -1,12 +1,14 @@
 """What goes wrong while a mesh is made, moved or read."""
 
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fsi.errors import InputError, SolveError
 
-class MeshError(Exception):
+
+class MeshError(SolveError):
     """A mesh could not be made, or was refused: the message names the place and the remedy."""
 
     def __init__(self, message: str, *lengths: ArrayLike) -> None:
@@ -34,7 +36,5 @@ class TouchingError(MeshError):
     """Bodies, or a body and a wall, touch or overlap: no mesh would do."""
 
 
-class MeshFileError(MeshError):
-    """A mesh file cannot be read or written: the user's input is wrong."""
-
-    exit_code: ClassVar[int] = 2
+class MeshFileError(InputError):
+    """A mesh file cannot be read or written."""

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from fsi.errors import apart
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
+from fsi.meshes.geometry.parts import at_parts
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.triangulate import Indices, StraightCells, side_keys
@@ -140,14 +141,14 @@ class _Bend:
                 self._follow(body, some[on == k])
 
     def _follow(self, body: Placed, some: Indices) -> None:
-        """Those of some sides that end on the outline of a body follow it, by its parameter."""
+        """Those of some sides that end on the outline of a body follow it, by its length."""
         f, a, b = self.side_element.points[:, 0], self.a[some], self.b[some]
         start, end = body.nearest(a), body.nearest(b)
         off = np.maximum(np.hypot(*(body.at(start).x - a).T), np.hypot(*(body.at(end).x - b).T))
         on = off <= ON_OUTLINE * body.outline.radius
         some, a, b, start, end = some[on], a[on], b[on], start[on], end[on]
         along = (end - start + 0.5) % 1.0 - 0.5
-        t = start[:, None] + along[:, None] * f
+        t = at_parts(body, start, along, f)
         x = body.at(t.ravel()).x.reshape(*t.shape, 2)
         self.values[some] = x - (a[:, None] * (1.0 - f)[:, None] + b[:, None] * f[:, None])
 

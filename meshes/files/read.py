@@ -146,6 +146,7 @@ def _counterclockwise(nodes: Array, triangles: Indices, order: int) -> Indices:
 # Ranks share nodes to rounding; ends of a boundary edge lie on their body or wall nearly so.
 SAME_NODE = 1e-13
 ON_SURFACE = 1e-8
+_REMEDY = "run the case again, or ask for another step"  # `fsi resume` does not look at field files
 
 
 def recover(parts: Sequence[Path], domain: FluidDomain) -> CurvedCells:
@@ -171,6 +172,8 @@ def _read_vtu(path: Path, d: int) -> tuple[Array, Indices]:
     """Nodes (n, d) and simplices of a field file."""
     import meshio  # takes a tenth of a second to load
 
+    if not path.is_file():
+        raise MeshFileError(f"{path}: is not there, or no file; {_REMEDY}")
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
             mesh = meshio.vtu.read(path)
@@ -179,7 +182,7 @@ def _read_vtu(path: Path, d: int) -> tuple[Array, Indices]:
             raise MeshFileError("its cells join nodes that it has not")
     except Exception as error:  # a damaged file makes meshio raise errors of many kinds
         told = " ".join(f"{type(error).__name__} {error}".split())[:200]
-        raise MeshFileError(f"{path}: cannot be read ({told}); mend the run with `fsi resume`") from None
+        raise MeshFileError(f"{path}: cannot be read ({told}); {_REMEDY}") from None
     return x, simplices
 
 

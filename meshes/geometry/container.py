@@ -258,3 +258,8 @@ class FluidDomain:
     edges: tuple[tuple[int, int], ...] = ()
     placed: tuple[Placed, ...] = ()
     ellipsoids: tuple[PlacedEllipsoid, ...] = ()
+
+    @property
+    def bent(self) -> bool:
+        """Whether some outlines bend more here than there, so that sizes along them differ."""
+        return not all(body.is_round for body in self.placed)

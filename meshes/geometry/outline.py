@@ -222,12 +222,16 @@ class Outline:
         """Whether it is bent inwards nowhere."""
         return bool(np.all(self.radius * self.curvature(self.t) >= -STRAIGHT))
 
+    def followed(self, t: Array) -> Array:
+        """The curvature that sizes of elements follow at t, (n,), of either sign."""
+        return self.curvature(t)
+
     def bend(self, t: Array) -> Array:
         """The radius that sizes of elements follow at t, (n,): that of the curvature, but near tighter bends.
 
         It is at least SHARPEST of the largest radius and at most that.
         """
-        own = self._bend(self.curvature(t))
+        own = self._bend(self.followed(t))
         near = np.interp(np.mod(t, 1.0), np.append(self.t, 1.0), np.append(self._bends, self._bends[0]))
         least: Array = np.minimum(own, near)
         return least
@@ -240,7 +244,7 @@ class Outline:
     @cached_property
     def _bends(self) -> Array:
         """Of the sample, growing no faster along the curve than SPREAD."""
-        x, bends = self.sample.x, self._bend(self.curvature(self.t))
+        x, bends = self.sample.x, self._bend(self.followed(self.t))
         piece = SPREAD * np.hypot(*(np.roll(x, -1, axis=0) - x).T)
         for _ in range(2):  # twice around in either direction
             for k in range(len(bends)):

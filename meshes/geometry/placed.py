@@ -17,6 +17,7 @@ from fsi.meshes.geometry.normals import CommonNormals, common_normals
 from fsi.meshes.geometry.outline import Outline
 
 PER_WAVE = 8  # points of a sample beside waves of a wall
+ROUND = 1e-9  # of the radius, by which bends of a circle are off it
 FINER = 0.5  # spacing over spacing, below which the other sample is taken
 
 
@@ -66,6 +67,12 @@ class Placed:
         dx = self.at(t).dx
         normal: Array = np.column_stack([dx[:, 1], -dx[:, 0]]) / np.hypot(*dx.T)[:, None]
         return normal
+
+    @property
+    def is_round(self) -> bool:
+        """Whether sizes of elements that follow its bends are those along a circle."""
+        outline = self.outline
+        return float(outline.bend(outline.t).min()) > (1.0 - ROUND) * outline.radius
 
     def seen(self, x: Array) -> Array:
         """Points (n, 2) as the body sees them."""

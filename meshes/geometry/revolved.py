@@ -6,6 +6,9 @@ Its right half, from the lower end on the axis to the upper one, has
 
 by Gauss's rule on the pieces of its sample. The gaps of such bodies on one axis, to each other and to walls
 of revolution, are those of their outlines: the nearest points lie on one side of the axis.
+
+Beside a slender body the flow varies with log r, r the distance from its axis. Sizes of elements therefore
+follow the larger of two curvatures, that of the outline and a part of that around the axis, n_r / r.
 """
 
 from __future__ import annotations
@@ -20,6 +23,10 @@ from fsi.meshes.geometry.jets import Array, circle
 from fsi.meshes.geometry.outline import Outline
 
 SYMMETRIC = 1e-9  # of the radius, by which the mirror image of an outline may be off it
+# Elements along prolate spheroids, a tenth to a hundredth as wide as long, err by 4e-6 to 8e-3 of the force
+# with none of the curvature around the axis, by less than 1e-6 with this part; all of it doubles the cells.
+AROUND = 0.25
+ON_AXIS = 1e-6  # of the radius: at such r both curvatures are those of the outline
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +82,16 @@ class BodyOfRevolution(Outline):
         if r(low) * r(high) >= 0.0:  # a point of the sample is the pole, where rounding makes the sign
             return min(low, high, key=lambda t: abs(r(t)))
         return float(scipy.optimize.brentq(r, low, high, xtol=1e-16))
+
+    @override
+    def followed(self, t: Array) -> Array:
+        """The larger one of that of the outline and AROUND that around the axis."""
+        x, dx, _ = self.jet(t)
+        r, swept = np.abs(x @ self._frame[0]), np.abs(dx @ self._frame[1])
+        around = np.zeros_like(r)
+        np.divide(AROUND * swept, r * np.hypot(*dx.T), out=around, where=r > ON_AXIS * self.radius)
+        larger: Array = np.maximum(np.abs(self.curvature(t)), around)
+        return larger
 
     def _half(self) -> tuple[Array, Array]:
         """r and z at points of Gauss's rule on the right half, (2, n), and the weights of dz, (n,)."""

@@ -79,6 +79,7 @@ class Surfaces:
         resolution: how fine the mesh is.
         grading: towards singular corners.
         placed: the bodies and images by their outlines; empty where all are discs.
+        bent: whether some of these are no circles: then h_body is that of the radius at the nearest place.
     """
 
     container: Container
@@ -91,6 +92,7 @@ class Surfaces:
     resolution: Resolution
     grading: Grading
     placed: tuple[Placed, ...] = ()
+    bent: bool = False
 
     @staticmethod
     def of(domain: FluidDomain, resolution: Resolution) -> Surfaces:
@@ -103,9 +105,8 @@ class Surfaces:
         nearby, bodies = NearbyPoints(images), len(domain.radii)
         each = zip(domain.placed * len(m), images, strict=False)
         placed = tuple(body.moved(centre) for body, centre in each)
-        return Surfaces(
-            domain.container, images, m, radii, nearby, bodies, lattice, resolution, grading, placed
-        )
+        laid = domain.container, images, m, radii, nearby, bodies, lattice, resolution, grading
+        return Surfaces(*laid, placed, domain.bent)
 
     @property
     def arms(self) -> Array:
@@ -171,7 +172,7 @@ class Surfaces:
             return np.full(len(x), np.inf) if gap is None else 0.1 * gap
         d, radius = self.nearest(x)
         in_gap = self.resolution.across(d if gap is None else gap, np.minimum(radius, bend))
-        h_body = self.resolution.on_body(self.radii.max())
+        h_body = self.resolution.on_body(np.asarray(radius if self.bent else self.radii.max()))
         return np.minimum(in_gap, np.maximum(h_body, self.resolution.growth * d))
 
     def walls(self, curves: Sequence[WallCurve]) -> list[Curve]:

@@ -15,14 +15,14 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.machine.signals import held
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
 from fsi.meshes.helping import shared_out
-from fsi.meshes.planar.grading import Grading
+from fsi.meshes.planar.far_size import BODIES, FarSize
 from fsi.meshes.planar.sizing import INSIDE, Curve
 
-BODIES, REST = 1, 2  # the curves that gmsh gets
-FINEST_SHIFT = 1e-12
+REST = BODIES + 1  # the curves that gmsh gets
 DELAUNAY = 5  # grades better than the frontal algorithm in large containers
 
 Indices = NDArray[np.int64]
@@ -49,7 +49,8 @@ class StraightCells:
 def gmsh_model() -> Iterator[None]:
     """A fresh, silent, deterministic gmsh model, cleared afterwards (or it leaks 200 kB a mesh)."""
     if not gmsh.isInitialized():
-        gmsh.initialize(interruptible=False)
+        with held():  # it sets signals back to what ends the process at once
+            gmsh.initialize(interruptible=False)
     gmsh.option.restoreDefaults()
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.option.setNumber("General.NumThreads", 1)  # with two, meshes differ from run to run
@@ -85,59 +86,6 @@ def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
     chains = [number[part] for part in parts]
     closed = [np.append(c, c[0]) if curve.closed else c for curve, c in zip(curves, chains, strict=True)]
     return x[is_first], closed
-
-
-@dataclass(frozen=True, slots=True)
-class FarSize:
-    """A bound on the element size in the fluid: `smallest + slope d` at the distance d from the nearest body.
-
-    Without it gmsh, which interpolates between distant boundaries, leaves what is around bodies too coarse.
-
-    Attributes:
-        bodies: how many, with the tags 1 ... N.
-        smallest: the size on a body.
-        slope: how fast sizes grow.
-        reach: a length that no distance exceeds.
-        grading: towards corners of the container.
-        alone: whether the sizes of the boundary do not count in the fluid.
-    """
-
-    bodies: int
-    smallest: float
-    slope: float
-    reach: float
-    grading: Grading
-    alone: bool = False
-
-    def apply(self) -> None:
-        """Make it gmsh's background size."""
-        if len(self.grading.corners):
-            # gmsh shifts nodes by that part of the size of the domain before it connects them.
-            gmsh.option.setNumber("Mesh.RandomFactor", FINEST_SHIFT)
-        if self.bodies == 0:
-            return
-        field = gmsh.model.mesh.field
-        distance, bound = field.add("Distance"), field.add("Threshold")
-        field.setNumbers(distance, "CurvesList", [BODIES])
-        largest = self.smallest + self.slope * self.reach
-        for end, d, size in (("Min", 0.0, self.smallest), ("Max", self.reach, largest)):
-            field.setNumber(bound, f"Dist{end}", d)
-            field.setNumber(bound, f"Size{end}", size)
-        field.setNumber(bound, "InField", distance)
-        if self.alone:
-            gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-            bound = self._graded(bound)
-        field.setAsBackgroundMesh(bound)
-
-    def _graded(self, bound: int) -> int:
-        """gmsh's number of the least of a field of sizes and those towards the corners."""
-        field, fields = gmsh.model.mesh.field, [bound]
-        for (x, y), smallest in zip(self.grading.corners.tolist(), self.grading.smallest, strict=True):
-            away = f"Sqrt((x - ({x!r}))^2 + (y - ({y!r}))^2)"
-            fields.append(field.add("MathEval"))
-            field.setString(fields[-1], "F", f"{smallest:.17g} + {self.grading.slope:.17g} * {away}")
-        field.setNumbers(least := field.add("Min"), "FieldsList", fields)
-        return int(least)
 
 
 def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> StraightCells:

@@ -91,6 +91,7 @@ BAD = [
     ("bodies.1.name", "disc", ["same name"]),
     ("bodies.1.name", "top", ["a wall has this name"]),
     ("bodies.1.name", "a,b", ["letters, digits"]),
+    ("bodies.1.name", "-c 1", ["neither blank nor - first"]),
     ("bodies.0.velocity", ["free", "fixed"], ["bodies.0.velocity.1", '"fixed"', '"free"']),
     ("bodies.0.velocity", {"times": [0.0], "values": [1.0]}, ["must be a list"]),
     ("bodies.0.torque", {"times": [0.0, 1.0, 0.5], "values": [0.0, 1.0, 2.0]}, ["torque.times", "decrease"]),
