@@ -139,7 +139,7 @@ class Solution:
 
         NaN outside the fluid. Raises InputError: it has no flow, or no pressure.
         """
-        flow = self._flow("evaluate")
+        flow = self._flow("flow to evaluate")
         x = self._points(points)
         values: tuple[Array, Array] = flow.evaluate(x) if len(x) else (x, x[:, 0])
         return values
@@ -147,7 +147,7 @@ class Solution:
     @together_in_turn()
     def velocity(self, points: ArrayLike) -> Array:
         """Velocity (n, d) at points (n, d), as `evaluate`; NaN outside the fluid. Raises InputError."""
-        flow = self._flow("evaluate")
+        flow = self._flow("flow to evaluate")
         x = self._points(points)
         u: Array = flow.velocity(x) if len(x) else x
         return u
@@ -155,6 +155,8 @@ class Solution:
     @together_in_turn()
     def resistance(self) -> Resistance:
         """R of all bodies, F = R U, and its inverse, with walls at rest. Raises InputError."""
+        if not self.bodies:
+            raise InputError("bodies: there are none, and no resistance; give one")
         self._flow("resistance")
         return flow_solvers(self.case).resistance(self.case)
 
@@ -173,7 +175,7 @@ class Solution:
 
     def _flow(self, what: str) -> Any:
         if not self.case.level.flow:
-            raise InputError(f'model = "{self.case.model}": has no flow to {what}; solve the resolved case')
+            raise InputError(f'model = "{self.case.model}": has no {what}; solve the resolved case')
         return self.instant
 
     def __repr__(self) -> str:

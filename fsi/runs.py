@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
-from fsi.case.checks.work import check_work
+from fsi.case.checks.work import check_work, require_room
 from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.integration.evolution import Evolution, Moment
 from fsi.integration.state import State, StepRecord
-from fsi.meshes.errors import MeshFileError
 from fsi.models import make_evolution
 from fsi.parallel import on_root
 from fsi.run_folder.alone import alone
@@ -60,17 +59,18 @@ def run(
         make: what steps the case; the level that it names if not given.
 
     Raises:
-        InputError, MeshFileError: the case cannot be run, is more than this machine holds, or the folder is
-            not new; nothing stays written.
+        InputError: the case cannot be run, is more than this machine holds, or the folder is not new;
+            nothing stays written.
         SolveError: the run cannot go on; the folder keeps the last good state.
     """
     on_root(lambda: check_work(case))
+    on_root(lambda: require_room(case, folder))
     evolution = make(case)
     new = RunFolder.create(folder, case, launch())
     with alone(new.path, refused=folder):
         try:
             return _drive(case, new, evolution, progress)
-        except (InputError, MeshFileError):
+        except InputError:
             new.discard_if_unused()
             raise
 
@@ -121,6 +121,7 @@ def _case_of(run: RunFolder, overrides: Sequence[str]) -> tuple[Case, Changes]:
     require_one_case(run.path, changed, run.checkpoint.state.t if run.checkpoint else 0.0)
     if changed:
         check_work(case)
+        require_room(case, run.path)
     return case, changed
 
 

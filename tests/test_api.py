@@ -14,6 +14,7 @@ import pytest
 
 import fsi
 import fsi.api as api
+from fsi.meshes.errors import MeshError, MeshFileError
 from tests.cli.test_commands import call
 from tests.ranks import needs_mpi, python_on
 
@@ -194,6 +195,43 @@ def test_a_case_takes_arrays_and_numbers_of_numpy() -> None:
         reduced(bodies=[DISC | {"position": np.array([[0.0, 2.0]])}])
 
 
+def test_a_case_takes_paths_for_files(tmp_path: Path) -> None:
+    """It said that the mesh must be a text."""
+    mesh = tmp_path / "own.msh"
+    domain = {"lower": [-3.0, 0.0], "upper": [3.0, 6.0], "mesh": mesh}
+    with pytest.raises(fsi.InputError, match=r"^domain\.mesh = .*: no such file"):
+        reduced(domain=domain, model="resolved")
+    mesh.touch()
+    assert reduced(domain=domain, model="resolved").domain.mesh == str(mesh)
+
+
+def test_a_mesh_that_fails_is_a_solve_that_fails() -> None:
+    """As `fsi.errors` has it: `except fsi.FsiError` did not catch it."""
+    assert issubclass(MeshError, fsi.SolveError)
+    assert issubclass(MeshFileError, fsi.InputError)
+
+
+def test_a_case_without_bodies_has_no_resistance() -> None:
+    domain = {"lower": [0.0, 0.0], "upper": [3.0, 3.0], "walls": {"top": [1.0, 0.0]}}
+    sizes = {"degree": 2, "growth": 1.0}
+    case = fsi.make_case(name="box", fluid={"viscosity": 1.0}, domain=domain, bodies=[], discretisation=sizes)
+    with pytest.raises(fsi.InputError, match=r"^bodies: there are none, and no resistance; give one$"):
+        fsi.solve(case).resistance()
+
+
+def test_a_level_without_a_flow_has_no_resistance() -> None:
+    with pytest.raises(
+        fsi.InputError, match=r'^model = "reduced": has no resistance; solve the resolved case$'
+    ):
+        fsi.solve(reduced()).resistance()
+
+
+def test_programs_without_a_standard_error_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As under pythonw: sys.stderr is None."""
+    monkeypatch.setattr(sys, "stderr", None)
+    assert len(fsi.run(reduced(), tmp_path / "run").steps) > 1
+
+
 API: Any = fsi  # as those use it who check no types
 
 
@@ -209,11 +247,15 @@ API: Any = fsi  # as those use it who check no types
         (lambda case: API.run(case, None), "folder: is a NoneType"),
         (lambda case: API.run(case, "out", 3), "callback: is a int"),
         (lambda case: API.solve(case).write(None), "folder: is a NoneType"),
+        (lambda _: API.load_case("a\0b"), r"path = 'a\\x00b': has a zero byte"),
+        (lambda _: API.resume("a\0b"), r"folder = 'a\\x00b': has a zero byte"),
+        (lambda case: API.run(case, "a\0b"), r"folder = 'a\\x00b': has a zero byte"),
+        (lambda case: API.solve(case).write("a\0b"), r"folder = 'a\\x00b': has a zero byte"),
         (lambda case: API.calibrate(case, "out", "2"), "processes: is a str"),
         (lambda case: API.calibrate(case, "out", 1.5), "processes: is a float"),
     ],
 )
-def test_what_is_of_another_type_is_refused_in_one_line(
+def test_what_is_no_argument_is_refused_in_one_line(
     ask: Callable[[fsi.Case], object], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

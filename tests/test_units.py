@@ -69,17 +69,19 @@ def units_of(s: System) -> Mapping[str, float]:
     return of | {"kinetic_energy": mass * V**2}
 
 
-def on_a_line(s: System) -> Mapping[str, float]:
-    """Of those of the macroscopic model, whose mass is a length."""
-    a, V = s.length, s.velocity
-    own = {"m": a, "u": V, "gamma": a * V, "smallest_gamma": a * V, "momentum": a * V}
-    return {**units_of(s), **own, "kinetic_energy": a * V**2}
+def on_a_line(s: System, mass: float) -> Mapping[str, float]:
+    """Of those of the macroscopic model, with the unit of its mass."""
+    V = s.velocity
+    own = {"m": mass, "u": V, "gamma": mass * V, "smallest_gamma": mass * V, "momentum": mass * V}
+    return {**units_of(s), **own, "kinetic_energy": mass * V**2}
 
 
 def scaled_tables(kind: str, s: System) -> dict[str, Array]:
     """All numbers in the tables of a run, column by column, over their units."""
-    macroscopic = kind in ("on_a_line", "blocks")
-    unit, columns = (on_a_line if macroscopic else units_of)(s), dict[str, Array]()
+    # The mass of blocks is a length.
+    masses = {"on_a_line": s.density * s.length**2, "blocks": s.length}
+    macroscopic, columns = kind in masses, dict[str, Array]()
+    unit = on_a_line(s, masses[kind]) if macroscopic else units_of(s)
     with TemporaryDirectory() as folder:
         fsi.run(fsi.make_case(**LEVELS[kind](s)), Path(folder) / "run")
         for path in sorted((Path(folder) / "run").glob("*.csv")):

@@ -14,6 +14,7 @@ from fsi.calibration.pair import pair_of
 from fsi.calibration.result import CalibrationResult, fit_law
 from fsi.calibration.sampling import Sampling, take_samples
 from fsi.case.case import Case
+from fsi.case.checks.work import require_room_for_samples
 from fsi.case.law_file import save_law
 from fsi.errors import InputError
 from fsi.files import replace, require_folder
@@ -28,6 +29,7 @@ def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) ->
     pair = pair_of(case)
     parallel.on_root(lambda: require_writable(folder, sampling.cache))
     parallel.on_root(lambda: require_folder(sampling.cache))
+    parallel.on_root(lambda: require_room_for_samples(case, sampling.cache))
     samples = take_samples(pair, sampling)
     result = parallel.on_root(lambda: fit_law(pair, samples, source))
     parallel.on_root(lambda: write_calibration(folder, result))

@@ -25,7 +25,6 @@ from fsi.errors import FsiError, InputError, SolveError
 from fsi.files import json_of, replace
 from fsi.integration.errors import ErrorEstimate
 from fsi.machine.ranks import forget
-from fsi.meshes.errors import MeshError
 from fsi.models import flow_solvers, make_model
 from fsi.observables.truncation import halved
 from fsi.workers.launch import outcomes
@@ -263,7 +262,7 @@ def _compute(pair: Pair, task: Task, cache: Path) -> Outcome:
     gap, held_out, key = task
     try:
         sample = resolved_sample(pair, gap, held_out=held_out)
-    except (FsiError, MeshError) as error:
+    except FsiError as error:
         parallel.settle(error)
         return key, None, f"at the gap {gap:.6g}: {error}"
     parallel.on_root(lambda: keep_sample(cache, key, sample))
@@ -271,7 +270,7 @@ def _compute(pair: Pair, task: Task, cache: Path) -> Outcome:
 
 
 def resolved_sample(pair: Pair, gap: float, *, held_out: bool) -> Sample:
-    """The resistance of the pair at a gap; collective. Raises MeshError, SolveError."""
+    """The resistance of the pair at a gap; collective. Raises SolveError."""
     began = time.process_time()
     case = pair.at(gap)
     solved = flow_solvers(case).solve(case)

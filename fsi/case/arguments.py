@@ -25,9 +25,11 @@ def require_case(case: Case) -> None:
 
 
 def path_of(what: str, given: Path | str) -> Path:
-    """The path. Raises InputError: it is none."""
+    """The path. Raises InputError: it is none, or has a zero byte."""
     require_type(what, given, "give a path", right=isinstance(given, str | PathLike))
-    return Path(given)
+    if "\0" in str(path := Path(given)):
+        raise InputError(f"{what} = {str(given)!r}: has a zero byte; give a path without")
+    return path
 
 
 def same_folder(folder: Path | str) -> Path:
@@ -38,12 +40,14 @@ def same_folder(folder: Path | str) -> Path:
 
 
 def lists(value: Any) -> Any:
-    """The same data with lists and numbers of Python for those of NumPy, as sections want them."""
+    """The same data with lists and numbers of Python for those of NumPy, and texts for paths."""
     match value:
         case dict():
             return {key: lists(item) for key, item in value.items()}
         case list() | tuple():
             return [lists(item) for item in value]
+        case PathLike():
+            return str(value)
         case np.ndarray() | np.generic():
             return lists(value.tolist()) if value.dtype == object else value.tolist()
         case _:

@@ -50,7 +50,7 @@ class LevelAtInstant:
 def compare_instants(cases: Mapping[str, Case]) -> dict[str, LevelAtInstant]:
     """The levels of a case that have an instant, none if only one has; collective.
 
-    Raises InputError, SolveError or MeshError where one of them fails.
+    Raises InputError or SolveError where one of them fails.
     """
     found: dict[str, LevelAtInstant] = {}
     first: tuple[Array, Array] | None = None

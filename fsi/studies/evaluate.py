@@ -51,7 +51,7 @@ class Evaluation:
 def at_instant(case: Case, quantities: Iterable[str]) -> Evaluation:
     """Quantities at time 0, without inertia, the same on all ranks; collective.
 
-    Raises InputError, MeshError, SolveError: the case cannot be solved, or has no such value.
+    Raises InputError, SolveError: the case cannot be solved, or has no such value.
     """
     if not case.level.flow:
         require_instant(case)

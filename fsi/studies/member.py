@@ -75,7 +75,7 @@ class Request:
 def compute(folder: Path) -> None:
     """Do the run that is asked for in a folder, unless it is done; collective.
 
-    Whoever else does it is waited for. Raises InputError, MeshError, SolveError: the run fails.
+    Whoever else does it is waited for. Raises InputError, SolveError: the run fails.
     """
     parallel.on_root((folder / LAUNCHES).touch)
     with alone(folder / LAUNCHES):

@@ -15,7 +15,6 @@ from fsi.errors import InputError, SolveError, ValidationError
 from fsi.files import require_new
 from fsi.integration.errors import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT
-from fsi.meshes.errors import MeshError
 from fsi.observables.quantities import computed, time_at
 from fsi.observables.truncation import halved
 from fsi.run_folder.kept import STEPS
@@ -93,7 +92,7 @@ def rows_at(name: str, value: float | None, case: Case, runs: Path) -> list[Row]
     """The rows of a case of that name at one value of its sweep, as `rows_of`; collective."""
     try:
         results = _instant(case) if case.time is None else _history(case, runs / name)
-    except (SolveError, MeshError) as error:
+    except SolveError as error:
         parallel.settle(error)
         return failed_rows(name, value, case, str(error))
     return [_row(name, value, case, row, found) for row, found in zip(case.expected, results, strict=True)]

@@ -6,11 +6,12 @@ import pytest
 
 import fsi.case.checks.work as work
 from fsi.bodies.gaps import find_gaps
-from fsi.case.checks.work import check_work
+from fsi.case.checks.work import check_work, require_room
 from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.meshes.estimate import cells_of
 from fsi.observables.truncation import halved
+from fsi.runs import run
 from fsi.stokes.model import StokesModel
 from tests.cli.test_commands import complaint
 
@@ -79,12 +80,35 @@ def test_a_gap_of_1e_8_radii_is_taken() -> None:
     assert check_work(load_case(CASES / "disc_in_box.toml", ["bodies.0.position=[0.0, 1.00000001]"])) is None
 
 
-def test_what_takes_long_is_said_beforehand(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fsi.machine.resources.free_disk", lambda _: 1e12)  # the files take some 60 GB
+def test_what_takes_long_is_said_beforehand() -> None:
     assert check_work(load_case(CASES / "gluey/layers.toml")) is None
     warning = check_work(load_case(CASES / "gluey/layers.toml", ["time.step=1e-6"]))
     assert warning is not None
     assert "1.8e+07 steps" in warning  # 18 / 1e-6
+
+
+def test_files_are_looked_for_room_where_they_will_stand(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk of the current directory was asked, and for a solve too, which writes nothing."""
+    asked: list[Path] = []
+
+    def free(path: Path) -> float:
+        asked.append(path)
+        return 1e6
+
+    monkeypatch.setattr("fsi.machine.resources.free_disk", free)
+    case = load_case(CASES / "settling_disc.toml", ["output.interval=1e-6"])
+    check_work(case)
+    assert not asked
+    with pytest.raises(
+        InputError, match=rf"^output\.interval = 1e-06: .* of 1 MB free in {tmp_path / 'run'};"
+    ):
+        require_room(case, tmp_path / "run")
+    assert asked == [tmp_path / "run"]
+    with pytest.raises(InputError, match=r"^output\.interval"):
+        run(case, tmp_path / "run")
+    assert not list(tmp_path.iterdir())
 
 
 def test_pores_take_time_and_memory_by_their_modes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,7 +119,7 @@ def test_pores_take_time_and_memory_by_their_modes(tmp_path: Path, monkeypatch: 
         "50 bodies, 3e+03 steps: some 28 minutes or more"
     )
     (tmp_path / "memory.max").write_text("2000000\n")
-    monkeypatch.setattr("fsi.machine.resources._LIMITS", (str(tmp_path / "memory.max"),))
+    monkeypatch.setattr("fsi.machine.resources._LIMITS", {"": (tmp_path, "memory.max")})
     with pytest.raises(InputError, match=r"bodies: 50, with pores.modes = 1, .* 3.17 MB .* give fewer"):
         check_work(load_case(file))
 
@@ -108,7 +132,7 @@ def test_half_a_radius_that_leaves_no_room_for_a_mesh_is_left_out() -> None:
 def test_memory_that_a_container_may_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = tmp_path / "memory.max"
     limit.write_text("1000000000\n")
-    monkeypatch.setattr("fsi.machine.resources._LIMITS", (str(limit),))
+    monkeypatch.setattr("fsi.machine.resources._LIMITS", {"": (tmp_path, limit.name)})
     with pytest.raises(InputError, match="of 1 GB here"):
         check_work(load_case(CASES / "macroscopic/blocks.toml", ["macroscopic.parcels=1000000"]))
 

@@ -177,6 +177,15 @@ def test_all_gaps_of_shapes_are_listed() -> None:
     assert "0.85" in listed
 
 
+def test_a_shape_far_from_all_has_no_table_of_gaps() -> None:
+    """Its gaps, of more than its radius, are not listed: a table without rows would be left."""
+    shape = {"kind": "ellipse", "axes": [0.4, 0.2]}
+    domain = {"shape": "round", "radius": 2.0}
+    body = {"name": "rod", "shape": shape, "position": [0.0, 0.0]}
+    data = {"name": "x", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": [body]}
+    assert "gap between" not in standard_output_of(parse_case(data))
+
+
 def standard_output_of(case: Case) -> str:
     """What `fsi check` prints of it."""
     printed = io.StringIO()
