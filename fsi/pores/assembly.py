@@ -187,9 +187,10 @@ def _parts(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[P
     if pores.surfaces.fraction < _DILUTE:
         flat[:] = True
     free, narrow = pores.surfaces.free[pores.vertices], numbering.narrow[pores.sides] & (pores.sides >= 0)
-    kinds = np.column_stack([modes, numbering.order[pores.vertices], free, narrow, flat])
+    corner = (pores.sides < 0) & pores.surfaces.hollow
+    kinds = np.column_stack([modes, numbering.order[pores.vertices], free, narrow, corner, flat])
     for kind in np.unique(kinds, axis=0):
-        of_sides, of_vertices, are_free, are_narrow, (is_flat,) = np.split(kind, (3, 6, 9, 12))
+        of_sides, of_vertices, are_free, are_narrow, are_corners, (is_flat,) = np.split(kind, range(3, 18, 3))
         level = LEVELS[level_of(int(of_sides.max()))]
         points = LEVELS[level_of(max(level.modes, _FINE))] if are_free.any() else level
         rule = points.finer_rule if is_flat else points.rule
@@ -200,6 +201,7 @@ def _parts(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[P
             level.neck_bubbles,
             _three(are_free * min(_FREE * level.fluid, _MOST)),
             _three(are_narrow),
+            _three(are_corners),
         )
         alike = np.flatnonzero(np.all(kinds == kind, axis=1))
         numbers = orders.total * 3 * (2 * rule.first * rule.across.shape[1] + rule.third.shape[1])

@@ -21,6 +21,11 @@ opposite forces, and a pressure costs nothing, so that s alone counts: mu_app / 
 
 The lower bound is as exact as the upper one: but for quadrature. And as the two come together, the best
 stress tends to that of the flow, with its pressure (`fsi.pores.pressure`).
+
+Bodies with loads leave phi many-valued. The stress of point forces at their centres has all of that, and what
+they have more than it is of a single-valued phi as above (`fsi.pores.pushed`). With c the products over
+4 |Omega| of the mean stresses with it, (s, d) = M^-1 (2 mu e - c). No bound of the viscosity is made of it.
+In a box phi is free in the corners too, and its walls, which rest, are as a container.
 """
 
 from __future__ import annotations
@@ -29,15 +34,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import carried, stream
 from fsi.pores.definite import Cholesky
+from fsi.pores.force_series import ForceSeries
 from fsi.pores.orders import KNOTS, RIGID, numbers_of
 from fsi.pores.pattern import Index
+from fsi.pores.pushed import functions_beside, of_fluid_discs, of_pores
 from fsi.pores.regions import NEXT, OTHER
-from fsi.pores.surfaces import WALL
+from fsi.pores.surfaces import DISC, WALL
 from fsi.pores.system import PoreSystem
 from fsi.pores.topology import Pores
 
@@ -52,82 +60,120 @@ class AiryStress:
         system: whose numbers these are; bodies are hollow.
         x: all numbers, what they have more than the mean stress carries along, (n,).
         mean: (phi_y, -phi_x) = mean x of the mean stress, (2, 2).
+        forces: whose stress stands beside that of phi, if any.
     """
 
     system: PoreSystem
     x: Array
     mean: Array
+    forces: ForceSeries | None
 
     @property
     def gradient(self) -> Array:
         """By which (phi_y, -phi_x) differs from image to image, which no stress tells: nothing, (2, 2)."""
         return np.zeros((2, 2))
 
-    def numbers(self, batch: Batch) -> Array:
-        """Of the pores of a batch, (n, m), but for what phi has of linear functions of each pore."""
-        return np.asarray(self.x[batch.unknown] + _carried(self.system, batch, self.mean))
+    def functions(self, batch: Batch) -> Array:
+        """Of all functions of the pores of a batch, (n, total), but for a linear function of each pore."""
+        numbers = self.x[batch.unknown] + _carried(self.system, batch, self.mean)
+        return functions_beside(self.system, batch, numbers, self.forces)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastStresses:
-    """The stresses of least dissipation at mean stresses, bodies without loads.
+    """The stresses of least dissipation at mean stresses, and that of bodies with loads.
 
     Attributes:
         system: of phi, whose bodies are hollow; of fluid of viscosity 1.
-        means: the mean stresses, of s and, of a cell, of d, as G above.
-        x: numbers beside each, (n, 1) or (n, 2).
-        M: their products, as above, (1, 1) or (2, 2).
+        means: the mean stresses, of s and, of a cell, of d, as G above; none without periods.
+        forces: the loads, if any.
+        x: numbers beside each, (n, G), then beside the forces, (n, 1).
+        M: their products over 4 |Omega|, as above, (G, G); behind them c, if there are forces, (G, 1).
     """
 
     system: PoreSystem
     means: tuple[Array, ...]
+    forces: ForceSeries | None
     x: Array
     M: Array
 
     @classmethod
-    def of(cls, pores: Pores, modes: Index) -> LeastStresses:
-        """With these numbers of modes for the necks of a cell or channel, (K,). Raises SolveError."""
+    def of(cls, pores: Pores, modes: Index, forces: ForceSeries | None = None) -> LeastStresses:
+        """With these numbers of modes for the necks, (K,). Raises SolveError."""
         surfaces = replace(pores.surfaces, hollow=True)
         system = PoreSystem.of(0, replace(pores, surfaces=surfaces), modes, 1.0)
-        means = _STRESSES[:1] if surfaces.bounds else _STRESSES
-        x, products = _least(system, means)
-        return cls(system, means, x, products / (4.0 * surfaces.area))
+        means = _STRESSES[: len(surfaces.periods)]
+        x, products = _least(system, means, forces)
+        return cls(system, means, forces, x, products[: len(means)] / (4.0 * surfaces.area))
 
     def viscosity(self, E: Array) -> float:
         """Below the apparent viscosity over mu in the mean strain rate E, of a channel that of its walls."""
         e = self._rates(E)
-        return float(e @ np.linalg.solve(self.M, e) / (e @ e))
+        return float(e @ np.linalg.solve(self._of_means, e) / (e @ e))
 
     def stress(self, E: Array, mu: float) -> AiryStress:
         """The best of them in the mean strain rate E, of fluid of viscosity mu."""
-        means = 2.0 * mu * np.linalg.solve(self.M, self._rates(E))
+        means = np.linalg.solve(
+            self._of_means, 2.0 * mu * self._rates(E) - self.M[:, len(self.means) :].sum(axis=1)
+        )
         mean = sum((k * G for k, G in zip(means, self.means, strict=True)), np.zeros((2, 2)))
-        return AiryStress(self.system, self.x @ means, mean)
+        x = self.x[:, : len(means)] @ means + self.x[:, len(means) :].sum(axis=1)
+        return AiryStress(self.system, x, mean, self.forces)
+
+    @property
+    def _of_means(self) -> Array:
+        return self.M[:, : len(self.means)]
 
     def _rates(self, E: Array) -> Array:
         """e, of a channel E_xy alone."""
         return np.array([E[0, 1], E[0, 0]])[: len(self.means)]
 
 
-def _least(system: PoreSystem, means: Sequence[Array]) -> tuple[Array, Array]:
-    """The stresses that dissipate least beside these means: their numbers (n, G), and products (G, G)."""
-    numbering, surfaces = system.assembly.numbering, system.pores.surfaces
-    loads, alone = np.zeros((system.size, len(means))), np.zeros((len(means), len(means)))
+def _least(system: PoreSystem, means: Sequence[Array], forces: ForceSeries | None) -> tuple[Array, Array]:
+    """The best stresses beside these means, then beside forces: numbers (n, k), and products (k, k)."""
+    G, k = len(means), len(means) + (forces is not None)
+    loads, alone = np.zeros((system.size, k)), np.zeros((k, k))
     for batch in system.assembly.batches:
-        q = np.stack([_carried(system, batch, G) for G in means], axis=2)
+        q = np.zeros((*batch.unknown.shape, k))
+        for g, mean in enumerate(means):
+            q[..., g] = _carried(system, batch, mean)
         Kq = np.einsum("eij,ejg->eig", batch.forms.K, q)
-        np.subtract.at(loads, batch.unknown.ravel(), Kq.reshape(-1, len(means)))
+        if forces is not None:
+            Kq[..., G], energy = of_pores(system, batch, forces)
+            alone[G, G] += energy
+        np.subtract.at(loads, batch.unknown.ravel(), Kq.reshape(-1, k))
         alone += np.einsum("eig,eih->gh", q, Kq)
-    free = np.ones(system.size, bool)
-    rigid = numbering.surface[:-1][surfaces.free, None] + np.arange(RIGID)
-    free[rigid] = False  # knots do what they do
-    # phi = 1, and in a channel phi = y, cost nothing: f and g of one knot are held.
-    neck = int(np.argmax(numbering.knots))
-    knot = int(numbering.neck[neck] + numbering.modes[neck])
-    free[[knot, knot + 2] if surfaces.bounds else [knot]] = False
+    if forces is not None:
+        for forms in system.assembly.fluid:
+            products, energy = of_fluid_discs(system, forms, forces)
+            loads[forms.unknown, G] -= products
+            alone[G, G] += energy
+        alone[G, :G] = alone[:G, G]
+    free = _free(system)
     x = np.zeros_like(loads)
     x[free] = Cholesky(system.assembly.lower, free).solve(loads[free])
     return x, np.asarray(alone - x.T @ loads)
+
+
+def _free(system: PoreSystem) -> NDArray[np.bool_]:
+    """Which numbers are free, (n,), once what costs nothing is held.
+
+    Rigid numbers of bodies: knots do what they do. phi = 1, between walls phi = y, in a container any linear
+    function and |x|^2: f, g of a knot on a wall, f, f', g of one and f of another on a container.
+    """
+    numbering, surfaces = system.assembly.numbering, system.pores.surfaces
+    free = np.ones(system.size, bool)
+    free[numbering.surface[:-1][surfaces.free, None] + np.arange(RIGID)] = False
+    last = numbering.neck[1:] - KNOTS
+    if not surfaces.bounds:
+        free[last[np.argmax(numbering.knots)]] = False
+        return free
+    first, *others = last[surfaces.kind[system.pores.necks[:, 1]] != DISC]
+    if len(surfaces.periods):
+        free[[first, first + 2]] = False
+    else:
+        free[[first, first + 1, first + 2, others[0]]] = False
+    return free
 
 
 def _carried(system: PoreSystem, batch: Batch, G: Array) -> Array:

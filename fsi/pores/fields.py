@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 from math import ceil
@@ -14,12 +15,12 @@ from scipy.spatial import cKDTree
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import stream
-from fsi.pores.forms import rates_of_numbers, values, with_bubbles
+from fsi.pores.forms import values
 from fsi.pores.inner import inner_flow
 from fsi.pores.orders import numbers_of
 from fsi.pores.pattern import Index
 from fsi.pores.pore_data import Complex, gathering, pore_data
-from fsi.pores.quadrature import DISTANCE, WEIGHT, Points, Rule, X, Y, points_at, pore_points, uniform
+from fsi.pores.quadrature import DISTANCE, WEIGHT, Points, Rule, points_at, pore_points, uniform
 from fsi.pores.regions import PoreShapes, cross
 from fsi.pores.surfaces import BoundingSurfaces
 from fsi.pores.system import PoreSystem
@@ -27,6 +28,7 @@ from fsi.pores.system import PoreSystem
 _PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it
 # Pores near a point, of which one holds it; so many where none of fewer does, as small ones lie beside large.
 _CANDIDATES = (8, 64, 512)
+_QUARTERS = 4  # of a fluid disc
 _ROUNDING = 1e-9  # of the size of a pore: points as far as that outside count as inside
 
 
@@ -70,6 +72,13 @@ class PoreMesh:
     corner: NDArray[np.bool_]
     field: FluidField
 
+    @property
+    def parts(self) -> list[Array]:
+        """The points by pore, and by fluid disc, (., n, 2)."""
+        pores = int(self.pore.max()) + 1
+        of_pores, of_discs = np.split(self.points.reshape(len(self.pore), -1, 2), [np.sum(self.pore >= 0)])
+        return [of_pores.reshape(pores, -1, 2), of_discs.reshape(-1, _QUARTERS * of_discs.shape[1], 2)]
+
 
 class Stream(Protocol):
     """The numbers of a stream function."""
@@ -86,8 +95,8 @@ class Stream(Protocol):
     def gradient(self) -> Array:
         """Mean velocity gradient, by which periods change, (2, 2)."""
 
-    def numbers(self, batch: Batch) -> Array:
-        """Of the pores of a batch, (n, m)."""
+    def functions(self, batch: Batch) -> Array:
+        """Of all functions of the pores of a batch, (n, total)."""
 
 
 class FlowFields:
@@ -97,10 +106,7 @@ class FlowFields:
         """Of a flow."""
         self.flow = flow
         self._shapes = flow.system.shapes
-        self._numbers = []
-        for batch in flow.system.assembly.batches:
-            rates, _ = rates_of_numbers(self._shapes.of(batch.pore), batch.rule, batch.orders)
-            self._numbers.append(batch.of_functions(with_bubbles(rates, flow.numbers(batch))))
+        self._numbers = [flow.functions(batch) for batch in flow.system.assembly.batches]
 
     def at(self, points: Array) -> FluidField:
         """The fields at points (n, 2), in fluid discs too; not a number in bodies and outside."""
@@ -115,18 +121,23 @@ class FlowFields:
         place = self._in_fluid_discs(jet, np.flatnonzero(pore < 0), points, place)
         return FluidField.of(_carried(jet, place, points, self.flow.gradient))
 
-    def mean_vorticity(self) -> float:
-        """Over the fluid. In fluid discs it is harmonic: its mean is that at their centres."""
+    def mean(self, of: Callable[[Index, Array, Array], Array]) -> float:
+        """Over the fluid, of what is made of places (E,), points there (E, n, 2) and jets (6, E n).
+
+        Places are pores, then fluid discs, in which it is harmonic, so that its mean is what it is at their
+        centres.
+        """
         surfaces, total, area = self.flow.system.pores.surfaces, 0.0, 0.0
         for batch, numbers in zip(self.flow.system.assembly.batches, self._numbers, strict=True):
             data = pore_data(self._shapes.of(batch.pore))
             points = pore_points(data, batch.rule)
-            jet, weight = stream_function(data, points, batch, numbers), points.rows[:, WEIGHT]
-            total -= float(np.sum(weight * (jet[3] + jet[5])))
+            jet, weight = stream_function(data, points, batch, numbers), points.rows[:, WEIGHT].ravel()
+            total += float(weight @ of(batch.pore, points.places, jet.reshape(6, -1)))
             area += float(weight.sum())
         disc = np.flatnonzero(surfaces.fluid)
         of_discs, jet = np.pi * surfaces.radius[disc] ** 2, self._inner(disc, np.zeros((len(disc), 2)))
-        total -= float(of_discs @ (jet[3] + jet[5]))
+        places = len(self.flow.system.pores) + np.arange(len(disc))
+        total += float(of_discs @ of(places, surfaces.centre[disc, None], jet))
         return total / (area + float(of_discs.sum()))
 
     def _in_fluid_discs(self, jet: Array, missing: Index, points: Array, place: Array) -> Array:
@@ -160,7 +171,7 @@ class FlowFields:
             data = pore_data(self._shapes.of(batch.pore))
             there = pore_points(data, _even(order, pieces))
             jets.append(stream_function(data, there, batch, numbers))
-            places.append(np.moveaxis(there.rows[:, [X, Y]], 1, 2))
+            places.append(there.places)
         by_number = np.argsort(np.concatenate([batch.pore for batch in system.assembly.batches]))
         patches = 3 * pieces + 3
         ends, corner = _first_rows(system.pores.sides, pieces)
@@ -181,7 +192,7 @@ class FlowFields:
         surfaces = self.flow.system.pores.surfaces
         disc = np.flatnonzero(surfaces.fluid)
         t = np.linspace(0.0, 1.0, cells + 1)
-        angle = 0.5 * np.pi * (np.arange(4)[:, None, None] + t)
+        angle = 0.5 * np.pi * (np.arange(_QUARTERS)[:, None, None] + t)
         one = (t[:, None] * np.stack([np.cos(angle), np.sin(angle)])).reshape(2, -1).T
         return (surfaces.radius[disc, None, None] * one).reshape(-1, 2), np.repeat(disc, len(one))
 

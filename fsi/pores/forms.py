@@ -91,8 +91,9 @@ def rates_of_numbers(shapes: PoreShapes, rule: Rule, orders: Orders) -> tuple[Ar
 
 def strain_rates(data: Complex, orders: Orders, points: Points) -> Array:
     """2 psi_xy and psi_yy - psi_xx times roots of weights, (n, functions, 2, Q)."""
-    psi, root = values(data, orders, points), points.rows[:, None, ROOT]
-    return np.stack([2.0 * root * psi[:, :, 4], root * (psi[:, :, 5] - psi[:, :, 3])], axis=2)
+    found = np.zeros((len(data), orders.total, RATES, points.rows.shape[2]))
+    _take_rates(data, orders, points.rows, Work.of(0, RATES, orders), found)
+    return found
 
 
 def values(data: Complex, orders: Orders, points: Points) -> Array:
@@ -214,6 +215,20 @@ def _take_bubbles(rates: Array, x: Array, numbers: Array) -> None:
         numbers[e, :shared] = x[e]
         for b in range(len(X)):
             numbers[e, shared + b] = -(X[b] * x[e]).sum()
+
+
+@compiled
+def _take_rates(data: Complex, orders: Orders, points: Array, work: Work, rates: Array) -> None:
+    """The strain rates of all functions at all points of all pores, times roots of weights."""
+    Q, out = rates.shape[3], work.out.reshape((work.total, RATES * AT_ONCE))
+    for e in range(len(rates)):
+        for b in range(blocks(Q)):
+            take_points(points[e], b * AT_ONCE, work.some)
+            take_functions(data[e], orders, Target(work.some, work.room, out, 0))
+            for k in range(work.total):
+                for q in range(b * AT_ONCE, min((b + 1) * AT_ONCE, Q)):
+                    w = q - b * AT_ONCE
+                    rates[e, k, 0, q], rates[e, k, 1, q] = -out[k, AT_ONCE + w], -out[k, w]
 
 
 @compiled

@@ -1,10 +1,7 @@
 """The trial functions of surfaces on which psi is free, walls and bodies, for stresses in equilibrium.
 
-With w = t + i s a conformal map that lays the surface on s = 0, the fluid above,
-
-    wall: w = conj(e) (z - A), e along it;     circle: w = i a log((z - z_v) / (A - z_v)),
-
-A and B the feet of the two necks of a pore there, t = 0 at A, and since s is the distance to first order,
+With t along the surface and s off it (`fsi.pores.surface_maps`), A and B the feet of the two necks of a pore
+there, t = 0 at A, and since s is the distance to first order,
 
     Psi = f(t) + s g(t),
 
@@ -22,27 +19,26 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import inlined, vectorised
 from fsi.pores.jets import AT_ONCE, load, scaled, times
+from fsi.pores.orders import CORNER
 from fsi.pores.pore_data import (
-    CENTRE,
     FIRST,
     GATHERING,
-    IS_WALL,
+    IS_CORNER,
     NORMAL,
-    RADIUS,
     SECOND,
     TOUCH,
     TURN,
     Complex,
 )
-from fsi.pores.quadrature import DISTANCE, Y
+from fsi.pores.quadrature import DISTANCE
 from fsi.pores.surface_functions import ThirdJet, extended
-from fsi.pores.target import Target, put
+from fsi.pores.surface_maps import Ends, lay_flat
+from fsi.pores.target import JETS, RATES, Target, put
 from fsi.pores.weights import BLEND, SLOPE_X, SLOPE_Y, WEIGHTS
 
 # Rows of room behind the weights: t and s; w', w'' and w'''; x and its derivatives; then polynomials, one row
 # more than there are.
 AT, MAPPED, GATHERED, POLYNOMIALS = WEIGHTS, WEIGHTS + 1, WEIGHTS + 2, WEIGHTS + 3
-type Ends = tuple[complex, complex]
 
 
 @vectorised
@@ -56,7 +52,7 @@ def knots(pore: Complex, v: int, free: tuple[int, int, int], to: Target, k: int)
     for end in range(2):
         first = along == (end == 0)
         surface = i if first else j
-        if free[surface] > 0:
+        if free[surface] > 0 and pore[v, IS_CORNER].real == 0.0:
             foot = pore[v, FIRST] if first else pore[v, SECOND]
             other = pore[j, SECOND] if first else pore[i, FIRST]
             k = _knot(pore, surface, (foot, other), to, k)
@@ -64,9 +60,44 @@ def knots(pore: Complex, v: int, free: tuple[int, int, int], to: Target, k: int)
 
 
 @vectorised
+def corner(pore: Complex, v: int, to: Target, k: int) -> int:
+    """Where both walls of side v meet: psi = 1, its derivatives along the first wall and off it, g' of both.
+
+    Room for three more is taken; the next k.
+    """
+    i, j = (v + 1) % 3, (v + 2) % 3
+    _knot(pore, i, (pore[v, FIRST], pore[j, SECOND]), to, k)
+    _knot(pore, j, (pore[v, SECOND], pore[i, FIRST]), to, k + 4)
+    n, other = pore[i, NORMAL], pore[j, NORMAL]  # from one to the other e turns as well
+    cos, sin = n.real * other.real + n.imag * other.imag, n.real * other.imag - n.imag * other.real
+    second, slope, across = to.out[k + 4, to.at :], to.out[k + 5, to.at :], to.out[k + 6, to.at :]
+    _add(1.0, second, to.out[k, to.at :])
+    _add(cos, slope, to.out[k + 1, to.at :])
+    _add(-sin, across, to.out[k + 1, to.at :])
+    _add(sin, slope, to.out[k + 2, to.at :])
+    _add(cos, across, to.out[k + 2, to.at :])
+    _add(-1.0, second, second)
+    _add(1.0, to.out[k + 7, to.at :], second)
+    return k + CORNER
+
+
+@vectorised
+def _add(factor: float, other: Array, out: Array) -> None:
+    """Add so much of what comes out of one function to that of another."""
+    if out.ndim == 1:
+        for w in range(RATES * AT_ONCE):
+            out[w] += factor * other[w]
+    else:
+        for w in range(JETS * AT_ONCE):
+            out[0, w] += factor * other[0, w]
+
+
+@vectorised
 def _knot(pore: Complex, v: int, ends: Ends, to: Target, k: int) -> int:
     """Those at the first end of the arc of surface v."""
-    h = _map(pore[v], ends, to.points, to.points[(DISTANCE + v) * AT_ONCE :], to.room)
+    h = lay_flat(
+        pore[v], ends, to.points, to.points[(DISTANCE + v) * AT_ONCE :], (to.room[AT], to.room[MAPPED])
+    )
     P = to.room[POLYNOMIALS:]
     _cubics(to.room[AT], h, P[0], P[1])
     for m in range(2):
@@ -79,7 +110,9 @@ def arc_bubbles(pore: Complex, v: int, number: int, to: Target, k: int) -> int:
     """Those of f and of g between the feet on surface v, in turns; the next k."""
     i, j = (v + 1) % 3, (v + 2) % 3
     ends, P, x = (pore[j, FIRST], pore[i, SECOND]), to.room[POLYNOMIALS:], to.room[GATHERED]
-    h = _map(pore[v], ends, to.points, to.points[(DISTANCE + v) * AT_ONCE :], to.room)
+    h = lay_flat(
+        pore[v], ends, to.points, to.points[(DISTANCE + v) * AT_ONCE :], (to.room[AT], to.room[MAPPED])
+    )
     _gather(to.room[AT], h, (_width(pore, j), _width(pore, i)), x)
     _polynomials(x, number, P)
     for m in range(number):
@@ -116,57 +149,6 @@ def _gather(t: Array, h: float, widths: tuple[float, float], out: Array) -> None
         third = (2.0 * left * left - 1.0) * r**5 / (a**3 * of_a)
         third += (2.0 * right * right - 1.0) * q**5 / (b**3 * of_b)
         _put_polynomial(out, w, (value, first, second, third))
-
-
-@vectorised
-def _map(surface: Complex, ends: Ends, points: Array, d: Array, room: Array) -> float:
-    """t, s and the derivatives of w at points with distances d; returns t_B."""
-    (foot, other), at, mapped = ends, room[AT], room[MAPPED]
-    if surface[IS_WALL].real > 0.0:
-        n = surface[NORMAL]
-        return _map_wall(complex(n.imag, -n.real), (foot, other), points, d, (at, mapped))
-    return _map_circle(surface[CENTRE], surface[RADIUS].real, (foot, other), points, d, (at, mapped))
-
-
-@vectorised
-def _map_wall(e: complex, ends: Ends, points: Array, d: Array, out: tuple[Array, Array]) -> float:
-    (foot, other), (at, mapped) = ends, out
-    for w in range(AT_ONCE):
-        x, y = points[w] - foot.real, points[Y * AT_ONCE + w] - foot.imag
-        at[w], at[AT_ONCE + w] = x * e.real + y * e.imag, d[w]
-        _store(mapped, w, (complex(e.real, -e.imag), 0j, 0j))
-    return float((other.real - foot.real) * e.real + (other.imag - foot.imag) * e.imag)
-
-
-@vectorised
-def _map_circle(
-    centre: complex, a: float, ends: Ends, points: Array, d: Array, out: tuple[Array, Array]
-) -> float:
-    (foot, other), (at, mapped) = ends, out
-    A = foot - centre
-    for w in range(AT_ONCE):
-        r = complex(points[w] - centre.real, points[Y * AT_ONCE + w] - centre.imag)
-        at[w], at[AT_ONCE + w] = -a * _angle(A, r), a * np.log1p(d[w] / a)
-        square = r.real * r.real + r.imag * r.imag
-        inverse = complex(r.real / square, -r.imag / square)
-        first = scaled(a, complex(-inverse.imag, inverse.real))  # i a / z
-        second = scaled(-1.0, times(first, inverse))
-        _store(mapped, w, (first, second, scaled(-2.0, times(second, inverse))))
-    return float(-a * _angle(A, other - centre))
-
-
-@inlined
-def _angle(A: complex, B: complex) -> float:
-    """From A to B, anticlockwise."""
-    return float(np.arctan2(A.real * B.imag - A.imag * B.real, A.real * B.real + A.imag * B.imag))
-
-
-@inlined
-def _store(mapped: Array, w: int, derivatives: tuple[complex, complex, complex]) -> None:
-    """w', w'' and w''' at point w."""
-    for m in range(3):
-        mapped[2 * m * AT_ONCE + w] = derivatives[m].real
-        mapped[(2 * m + 1) * AT_ONCE + w] = derivatives[m].imag
 
 
 @inlined

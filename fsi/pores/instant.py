@@ -6,6 +6,8 @@ from functools import cached_property
 from math import isnan
 from pathlib import Path
 
+import numpy as np
+
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError, SolveError, apart
 from fsi.observables.bars import DrivenBodies
@@ -15,9 +17,11 @@ from fsi.parallel import on_root
 from fsi.pores.bars import other_modes
 from fsi.pores.complement import LeastStresses
 from fsi.pores.fields import FlowFields
+from fsi.pores.force_series import ForceSeries
 from fsi.pores.narrow import NARROW, narrowness
 from fsi.pores.necks import Necks, necks_of
 from fsi.pores.pattern import Index
+from fsi.pores.point_forces import PointForces
 from fsi.pores.pressure import PressureField
 from fsi.pores.solve import PoreFlow
 from fsi.pores.stress import (
@@ -35,9 +39,9 @@ FEW = 500  # bodies: stresses take 11 ms each, five times what bars do
 # Of itself, how far apart pressures with two numbers of modes may be; the better one is off by a part of it.
 APART = 0.4
 NO_PRESSURE = (
-    'model = "pores": has a pressure only where sliding walls or a mean flow alone drive bodies (no loads, '
-    "pressure gradient or net flux), no neck is narrow, and those with two numbers of modes come within "
-    f"{APART:g} of it; give more pores.modes if that is why, use Solution.velocity, or the resolved model"
+    'model = "pores": has a pressure only where no neck is narrow (a gap times half the curvature of both '
+    f"surfaces at least {NARROW:g}) and those with two numbers of modes come within {APART:g} of it; give "
+    "more pores.modes if that is why, use Solution.velocity, or the resolved model"
 )
 # Of each relative defect; a flow beyond it is refused. Most cancels where discs stand in columns: 2e-8.
 BOUND = 1e-6
@@ -118,15 +122,9 @@ class PoreInstant:
         return is_force_free(self.bodies, self.flow)
 
     @cached_property
-    def stresses(self) -> LeastStresses | None:
-        """In equilibrium, of a sheared cell or channel whose bodies have no loads; one solve with more modes.
-
-        None where necks are so narrow that rounding would tell.
-        """
-        pores = self.flow.system.pores
-        if self.apparent_viscosity is None or not self.force_free or narrowness(pores).min() < BOUNDED:
-            return None
-        return LeastStresses.of(pores, self._others)
+    def stresses(self) -> LeastStresses:
+        """In equilibrium, with the modes that tell the error; one solve."""
+        return LeastStresses.of(self.flow.system.pores, self._others, self._forces)
 
     @property
     def few(self) -> bool:
@@ -135,9 +133,12 @@ class PoreInstant:
 
     @cached_property
     def lower_bound(self) -> float | None:
-        """Of the apparent viscosity, where there are such stresses, and points enough to have it below."""
+        """Of the apparent viscosity, of bodies without loads, where there are points enough to have it below.
+
+        None where necks are so narrow that rounding would tell.
+        """
         most = self.apparent_viscosity
-        if self.stresses is None or most is None:
+        if most is None or not self.force_free or narrowness(self.flow.system.pores).min() < BOUNDED:
             return None
         least = self.stresses.viscosity(self._mean_strain_rate)
         return least if least <= most else None
@@ -148,14 +149,33 @@ class PoreInstant:
 
         None where necks are narrow: what functions between feet leave of it there other modes leave too.
         """
-        system, mu = self.flow.system, self.bodies.case.fluid.viscosity
-        if self.stresses is None or narrowness(system.pores).min() < NARROW:
+        system = self.flow.system
+        if narrowness(system.pores).min() < NARROW:
             return None
         modes = system.assembly.numbering.modes
-        both = [(self._others.sum(), self.stresses), (modes.sum(), LeastStresses.of(system.pores, modes))]
+        both = [(self._others.sum(), self.stresses)]
+        both += [(modes.sum(), LeastStresses.of(system.pores, modes, self._forces))]
         fewer, more = sorted(both, key=lambda pair: pair[0])
-        other, found = (PressureField(of.stress(self._mean_strain_rate, mu)) for _, of in (fewer, more))
+        other, found = (self._pressure(stresses) for _, stresses in (fewer, more))
         return found if found.apart(other) <= APART else None
+
+    def _pressure(self, stresses: LeastStresses) -> PressureField:
+        """That of the best of these stresses."""
+        case = self.bodies.case
+        container = case.container()
+        middle = container.middle if container.walls else np.zeros(2)
+        return PressureField(stresses.stress(self._mean_strain_rate, case.fluid.viscosity), middle)
+
+    @cached_property
+    def _forces(self) -> ForceSeries | None:
+        """Loads on bodies, those that hold them too, and what drives a channel; None of flows without."""
+        if self.force_free:
+            return None
+        system, F = self.flow.system, self.flow.F
+        surfaces, loaded = system.pores.surfaces, F.any(axis=1)
+        dp_dx = self.flow.pressure_gradient if len(surfaces.periods) == 1 else 0.0
+        forces = PointForces(surfaces.centre[: len(F)][loaded], F[loaded], surfaces.periods, dp_dx)
+        return ForceSeries.of(forces, system.shapes, surfaces)
 
     @property
     def _others(self) -> Index:
@@ -164,6 +184,9 @@ class PoreInstant:
 
     @property
     def _mean_strain_rate(self) -> Array:
+        """Of a periodic flow; else 0."""
+        if not len(self.flow.system.pores.surfaces.periods):
+            return np.zeros((2, 2))
         return mean_strain_rate(self.bodies, self.flow.loading)
 
     @cached_property

@@ -6,6 +6,7 @@ RIGID = 4  # U_x, U_y, omega, c
 STRAINED = 2  # the order of bodies whose stresslets are wanted: z^2 is a strain rate
 CUBIC = 3  # the least order of fluid discs
 KNOTS = 4  # of a neck at a foot on a surface where psi is free: f, f', g, g'
+CORNER = 5  # where two walls meet on which psi is free: psi and its gradient, g' of each
 TIED = 2  # of a narrow neck: the flux through it, and the speed at which its surfaces part (`narrow`)
 
 
@@ -21,6 +22,7 @@ class Orders(NamedTuple):
         neck_bubbles: degrees + 1 of p(e, l_j - l_i) along and across each neck; 0 for none.
         free: of the vertices on which psi is free, how many polynomials f has between feet, and g; else 0.
         narrow: 1 of sides that are narrow necks, which have TIED numbers of their own, 0 of others.
+        corner: 1 of sides that are corners of walls on which psi is free, which have no knots, 0 of others.
     """
 
     modes: tuple[int, int, int]
@@ -29,12 +31,14 @@ class Orders(NamedTuple):
     neck_bubbles: int
     free: tuple[int, int, int] = (0, 0, 0)
     narrow: tuple[int, int, int] = (0, 0, 0)
+    corner: tuple[int, int, int] = (0, 0, 0)
 
     @property
     def knots(self) -> tuple[int, int, int]:
         """How many each side has."""
         a, b, c = (KNOTS * int(number > 0) for number in self.free)
-        return b + c, c + a, a + b
+        of_a, of_b, of_c = (1 - corner for corner in self.corner)
+        return of_a * (b + c), of_b * (c + a), of_c * (a + b)
 
     @property
     def shared(self) -> int:
@@ -51,7 +55,7 @@ class Orders(NamedTuple):
     def total(self) -> int:
         """How many functions there are."""
         inner = (self.bubbles + 1) * (self.bubbles + 2) // 2 + 3 * self.neck_bubbles**2
-        return self.shared + inner + 2 * sum(self.free)
+        return self.shared + inner + CORNER * sum(self.corner) + 2 * sum(self.free)
 
 
 def numbers_of(order: int) -> int:

@@ -1,14 +1,17 @@
-"""The pressure between bodies without loads in sheared cells and channels, by stresses in equilibrium.
+"""The pressure between bodies, by stresses in equilibrium.
 
 A stream function satisfies no momentum equation, but the stress in equilibrium that dissipates least, with
-Airy's function phi (`fsi.pores.complement`), has a pressure. With (phi_y, -phi_x) in place of velocity
+Airy's function phi (`fsi.pores.complement`), has a pressure. With (phi_y, -phi_x) in place of velocity it is
+half its vorticity; bodies with loads have that of point forces besides (`fsi.pores.point_forces`):
 
-    p = -(phi_xx + phi_yy) / 2,
+    p = p_F - (phi_xx + phi_yy) / 2,
 
-half its vorticity, up to a constant: the mean of p over the fluid is 0. In the norm of dissipation stresses
-of psi and of phi are off the truth by at most the root of what upper and lower bound of the viscosity are
-apart (Prager and Synge 1947, Q. Appl. Math. 5:241), but in narrow necks a pressure costs next to nothing in
-that norm, and small discs change little of it in a large cell. How good p is its change with the modes tells.
+up to a constant. As in the resolved model the mean over the fluid of p - G.(x - x_m) is 0, G its mean
+gradient.
+In the norm of dissipation stresses of psi and of phi are off the truth by at most the root of what upper and
+lower bound of the viscosity are apart (Prager and Synge 1947, Q. Appl. Math. 5:241), but in narrow necks a
+pressure costs next to nothing in that norm, and small discs change little of it in a large cell. How good p
+is its change with the modes tells.
 """
 
 from __future__ import annotations
@@ -18,31 +21,62 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.observables.bulk_stress import vorticity
 from fsi.pores.complement import AiryStress
-from fsi.pores.fields import FlowFields, FluidField
+from fsi.pores.fields import FlowFields, FluidField, PoreMesh
+from fsi.pores.pattern import Index
 
 _ORDER = 2  # of patches on which pressures are compared
 
 
 class PressureField:
-    """The pressure of a stress."""
+    """The pressure of a stress.
 
-    def __init__(self, stress: AiryStress) -> None:
-        """Of a stress in equilibrium."""
-        self._fields = FlowFields(stress)
-        self._level = 0.5 * self._fields.mean_vorticity()
+    Attributes:
+        gradient: G, by which it differs from period to period, (2,).
+    """
+
+    def __init__(self, stress: AiryStress, middle: Array) -> None:
+        """Of a stress in equilibrium; middle: x_m, (2,)."""
+        self._forces, self._middle = stress.forces, middle
+        self.gradient = np.zeros(2) if self._forces is None else self._forces.forces.gradient
+        self._fields, self._level = FlowFields(stress), 0.0
+        self._level = self._fields.mean(self._at_places)
 
     def at(self, x: Array) -> Array:
         """p (n,) at points x (n, 2); NaN outside the fluid."""
-        return self._of(self._fields.at(x))
+        of_forces = 0.0 if self._forces is None else self._forces.forces.stress(x)[0]
+        return np.asarray(0.5 * vorticity(self._fields.at(x).gradient) + of_forces - self._level)
 
     def on_mesh(self, order: int) -> Array:
         """p (n,) at the points of `FlowFields.mesh(order)` of a flow in the same pores."""
-        return self._of(self._fields.mesh(order).field)
+        mesh = self._fields.mesh(order)
+        return self._periodic(mesh, order) + (mesh.points - self._middle) @ self.gradient
 
     def apart(self, other: PressureField) -> float:
-        """The root of the mean square of what another one differs by, over that of p, at points of files."""
-        p, q = self.on_mesh(_ORDER), other.on_mesh(_ORDER)
+        """The root of the mean square of what another one differs by, over that of p, at points of files.
+
+        Neither has the part of G.
+        """
+        p, q = (each._periodic(each._fields.mesh(_ORDER), _ORDER) for each in (self, other))
         return float(np.linalg.norm(p - q) / np.linalg.norm(p))
 
-    def _of(self, field: FluidField) -> Array:
-        return np.asarray(0.5 * vorticity(field.gradient) - self._level)
+    def _periodic(self, mesh: PoreMesh, order: int) -> Array:
+        """Without the part of G."""
+        pores, discs = mesh.parts
+        first = np.arange(len(pores) + len(discs))
+        of_forces = [self._beside(first[: len(pores)], pores), self._beside(first[len(pores) :], discs)]
+        p = 0.5 * vorticity(mesh.field.gradient) + np.concatenate(of_forces) - self._level
+        rows = p.reshape(len(mesh.pore), order + 1, order + 1)
+        # In a corner of walls derivatives are quotients of zeros; the fluid rests there.
+        rows[mesh.corner, 0] = rows[mesh.corner, 1].mean(axis=1, keepdims=True)
+        return np.asarray(p)
+
+    def _at_places(self, place: Index, x: Array, jet: Array) -> Array:
+        """The same at points x (n, k, 2) of places (n,), (n k,)."""
+        return 0.5 * vorticity(FluidField.of(jet).gradient) + self._beside(place, x)
+
+    def _beside(self, place: Index, x: Array) -> Array:
+        """What point forces add to it."""
+        if self._forces is None or x.size == 0:
+            return np.zeros(x.size // 2)
+        p = self._forces.stress(place, x)[0] - (x - self._middle) @ self.gradient
+        return np.asarray(p.ravel())

@@ -71,6 +71,11 @@ class Points(NamedTuple):
     rows: Array
     ends: NDArray[np.int64]
 
+    @property
+    def places(self) -> Array:
+        """(x, y), (n, Q, 2)."""
+        return np.moveaxis(self.rows[:, [X, Y]], 1, 2)
+
 
 @cache
 def rule(along: int, across: int, inside: int, gathering: float) -> Rule:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Inertia, Motion
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import Carrier, carried, mean_flow, product
-from fsi.pores.forms import applied
+from fsi.pores.forms import applied, rates_of_numbers, with_bubbles
 from fsi.pores.orders import RIGID, TIED
 from fsi.pores.system import PoreSystem
 
@@ -134,6 +134,11 @@ class PoreFlow:
         """Of the pores of a batch, with the mean flow of their images, (n, m)."""
         found: Array = self.x[batch.unknown] + mean_flow(self.system, batch, self.loading.gradient)
         return found
+
+    def functions(self, batch: Batch) -> Array:
+        """Of all functions of the pores of a batch, (n, total)."""
+        rates, _ = rates_of_numbers(self.system.shapes.of(batch.pore), batch.rule, batch.orders)
+        return batch.of_functions(with_bubbles(rates, self.numbers(batch)))
 
     def local_numbers(self, batch: Batch) -> Array:
         """The same but for a translation of each pore, which costs nothing: few digits cancel in them."""

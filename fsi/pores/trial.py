@@ -29,7 +29,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import vectorised
-from fsi.pores.free_functions import arc_bubbles, knots
+from fsi.pores.free_functions import arc_bubbles, corner, knots
 from fsi.pores.inner_functions import ALONG, bubbles, modes, neck_bubbles
 from fsi.pores.jets import room
 from fsi.pores.orders import CUBIC, RIGID, Orders
@@ -67,6 +67,9 @@ def take_functions(pore: Complex, orders: Orders, to: Target) -> None:
     for v in range(3):
         if orders.neck_bubbles > 0:
             k = neck_bubbles(pore, v, orders.neck_bubbles, to, k)
+    for v in range(3):
+        if orders.corner[v] > 0:
+            k = corner(pore, v, to, k)
     for v in range(3):
         if orders.free[v] > 0:
             k = arc_bubbles(pore, v, orders.free[v], to, k)

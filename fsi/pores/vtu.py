@@ -1,9 +1,9 @@
 """The files of ParaView of the model of pores: the flow in curved cells, and necks as lines.
 
 Each patch of a pore is cut into Lagrange triangles of order 6 whose nodes carry velocity, stream function,
-vorticity, strain rate and, where there is one, pressure: a strip into two; a triangle, a strip that ends in
-a corner and a quarter of a fluid disc are one. Where patches meet each has nodes of its own. In a periodic
-domain each patch stands where its middle is in one period.
+vorticity, strain rate and, where there is one, pressure, and which have its mean gradient: a strip into two;
+a triangle, a strip that ends in a corner and a quarter of a fluid disc are one. Where patches meet each has
+nodes of its own. In a periodic domain each patch stands where its middle is in one period.
 """
 
 from pathlib import Path
@@ -36,7 +36,7 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, pressure: PressureField
         mesh, bodies.case.container().at(bodies.t, bodies.q.strain), fields.flow.gradient
     )
     G = mesh.field.gradient
-    more = [] if pressure is None else [pressure.on_mesh(ORDER)]
+    more = [] if pressure is None else [pressure.on_mesh(ORDER) + (x - mesh.points) @ pressure.gradient]
     columns = np.column_stack([x, u, psi, vorticity(G), strain_rate(G), *more])
     known = columns.reshape(-1, _PATCH, columns.shape[1])
     pore, ends = mesh.pore, mesh.ends
@@ -44,15 +44,12 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, pressure: PressureField
     nodes, cells = _cells(known, ends)
     values = {"velocity": in_space(nodes[:, 2:4]), "psi": nodes[:, 4], "vorticity": nodes[:, 5]}
     values["strain_rate"] = nodes[:, 6]
+    of_cells = {"pore": [np.concatenate([pore[~ends], pore[~ends], pore[ends]])]}
     if pressure is not None:
         values["pressure"] = nodes[:, 7]
-    grid = meshio.Mesh(
-        in_space(nodes[:, :2]),
-        [("VTK_LAGRANGE_TRIANGLE", cells)],
-        values,
-        {"pore": [np.concatenate([pore[~ends], pore[~ends], pore[ends]])]},
-    )
-    write_vtu(path, grid)
+        for name, G in zip(("dp_dx", "dp_dy"), pressure.gradient, strict=True):
+            of_cells[name] = [np.full(len(cells), G)]
+    write_vtu(path, meshio.Mesh(in_space(nodes[:, :2]), [("VTK_LAGRANGE_TRIANGLE", cells)], values, of_cells))
 
 
 def _cells(known: Array, ends: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:

@@ -75,6 +75,76 @@ def test_the_pressure_between_walls_is_that_of_the_resolved_flow() -> None:
     assert np.sqrt(np.mean((p - exact)[known] ** 2)) < 1e-3 * np.sqrt(np.mean(exact[known] ** 2))
 
 
+PUSHED = [
+    BODIES[0] | {"force": [1.0, -2.0], "torque": 0.7},
+    BODIES[1] | {"velocity": [0.1, 0.0], "angular_velocity": 0.0},
+]
+CHANNEL = {"shape": "box", "lower": [0.0, 0.0], "upper": [5.0, 4.5], "periodic": ["x"]}
+BOX = {"shape": "box", "lower": [0.0, 0.0], "upper": [5.0, 4.5]}
+CELL = {"shape": "cell", "vectors": VECTORS.tolist()}
+DRIVEN: dict[str, tuple[dict[str, Any], list[dict[str, Any]]]] = {
+    "forces in a channel": (CHANNEL, PUSHED),
+    "a pressure gradient": (CHANNEL | {"pressure_gradient": 2.0}, BODIES),
+    "a net flux past what is pushed": (CHANNEL | {"net_flux": 0.5, "walls": {"top": [1.0, 0.0]}}, PUSHED),
+    "forces in a cell": (CELL, PUSHED),
+    "forces in a sheared cell": (CELL | {"shear": 0.1}, PUSHED),
+    "forces in a box": (BOX, PUSHED),
+    "forces in a round container": ({"shape": "round", "radius": 5.5}, PUSHED),
+}
+
+
+@pytest.mark.parametrize(("domain", "bodies"), DRIVEN.values(), ids=DRIVEN)
+def test_the_pressure_around_bodies_with_loads_is_that_of_the_resolved_flow(
+    domain: dict[str, Any], bodies: list[dict[str, Any]]
+) -> None:
+    """One body is pushed and turned, the other held at a velocity, or both are free. Root mean square errors
+    are 2e-3 of the pressure with four modes; without what the torque does they would be 2e-2 and more."""
+    x = np.random.default_rng(4).uniform(size=(400, 2)) * [5.0, 4.5]
+    p, exact = (
+        fsi.solve(in_cell({}, model, domain=domain, bodies=bodies)).evaluate(x)[1]
+        for model in ("pores", "resolved")
+    )
+    known = np.isfinite(exact) & np.isfinite(p)
+    assert known.mean() > 0.5
+    assert np.sqrt(np.mean((p - exact)[known] ** 2)) < 4e-3 * np.sqrt(np.mean(exact[known] ** 2))
+
+
+def test_the_pressure_around_a_disc_in_the_middle_of_a_container_is_the_exact_one() -> None:
+    """psi = f sin(theta), f = A r + B / r + C r log r + D r^3, has p = mu (8 D r - 2 C / r) cos(theta); f is
+    U a and f' is U at the disc, both 0 at the container. Off by 3e-3 of the largest beside the disc, 3e-4
+    away from it; that of the point force alone by 3e-1."""
+    a, R, U, mu = 1.0, 2.5, 1.0, 3.0
+    rows = [(r, 1.0 / r, r * np.log(r), r**3) for r in (a, R)]
+    slopes = [(1.0, -1.0 / r**2, np.log(r) + 1.0, 3.0 * r**2) for r in (a, R)]
+    _, _, C, D = np.linalg.solve([*rows, *slopes], [U * a, 0.0, U, 0.0])
+    body = {
+        "name": "disc",
+        "radius": a,
+        "position": [0.0, 0.0],
+        "velocity": [U, 0.0],
+        "angular_velocity": 0.0,
+    }
+    domain = {"shape": "round", "radius": R}
+    solution = fsi.solve(in_cell({}, modes=12, domain=domain, bodies=[body], fluid={"viscosity": mu}))
+    angle = np.linspace(0.1, 6.0, 30)
+    x = np.concatenate([r * np.column_stack([np.cos(angle), np.sin(angle)]) for r in (1.01, 1.5, 2.4)])
+    r = np.linalg.norm(x, axis=1)
+    exact = mu * (8.0 * D - 2.0 * C / r**2) * x[:, 0]
+    off = np.abs(solution.evaluate(x)[1] - exact) / np.abs(exact).max()
+    assert off.max() < 6e-3
+    assert off[r > 1.2].max() < 6e-4
+
+
+def test_files_of_a_channel_with_a_pressure_gradient_have_it_in_one_period(tmp_path: Path) -> None:
+    """Patches across its end have p less what it falls over a period; else they would be off by 10."""
+    case = in_cell({}, domain=CHANNEL | {"pressure_gradient": -2.0}, time={"end": 0.1, "tolerance": 1e-2})
+    run(case, tmp_path / "run")
+    x = np.random.default_rng(5).uniform(size=(400, 2)) * [5.0, 4.5]
+    exact, table = fsi.solve(case).evaluate(x)[1], probe(open_run(tmp_path / "run"), x, 0)
+    known = (table["where"] == "fluid").to_numpy() & np.isfinite(exact)
+    assert np.abs(table["p"].to_numpy() - exact)[known].max() < 1e-2 * np.nanmax(np.abs(exact))
+
+
 def test_the_pressure_around_a_disc_in_a_wide_cell_is_that_in_unbounded_fluid() -> None:
     """p = -4 mu a^2 r.E r / r^4 of a disc in a strain rate E (Einstein's problem in the plane; Batchelor,
     An Introduction to Fluid Dynamics, section 4.11, has that of a sphere), less than 3 % off: the area
@@ -110,25 +180,23 @@ def test_pictures_show_the_pressure(sheared: Run, tmp_path: Path) -> None:
 
 LATTICE = {"shape": "cell", "vectors": [[2.005, 0.0], [0.0, 2.005]], "shear": 1.0}
 NARROW_LATTICE = LATTICE | {"vectors": [[2.002, 0.0], [0.0, 2.002]]}
-LOADED = [BODIES[0] | {"force": [1.0, 0.0]}, BODIES[1]]
 NARROW = [BODIES[0], {"name": "other", "radius": 0.7, "position": [1.6 + 1.7 + 2e-5, 1.5]}]
 
 
 @pytest.mark.parametrize(
     ("more", "modes"),
     [
-        ({"bodies": LOADED}, 4),
         ({"bodies": NARROW}, 4),
         ({"domain": NARROW_LATTICE, "bodies": BODIES[:1]}, 12),
         ({"domain": LATTICE, "bodies": BODIES[:1]}, 4),
     ],
-    ids=["loads", "nearly in touch", "narrow necks", "other modes give another one"],
+    ids=["nearly in touch", "narrow necks", "other modes give another one"],
 )
 def test_where_there_is_none_it_is_said(more: dict[str, Any], modes: int) -> None:
     """The gap is 2e-5. In a lattice of gaps of 0.002 pressures with 12 and 16 modes are both off by 5.6e-2,
     and 0.01 apart. At 0.005 those with 4 and 8 modes differ by more than themselves."""
     solution = fsi.solve(in_cell({"extension": 0.5}, modes=modes, **more))
-    with pytest.raises(InputError, match="has a pressure only where sliding walls or a mean flow alone"):
+    with pytest.raises(InputError, match="has a pressure only where no neck is narrow"):
         solution.evaluate([[0.0, 0.0]])
 
 
