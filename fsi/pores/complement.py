@@ -109,20 +109,16 @@ class LeastStresses:
     def viscosity(self, E: Array) -> float:
         """Below the apparent viscosity over mu in the mean strain rate E, of a channel that of its walls."""
         e = self._rates(E)
-        return float(e @ np.linalg.solve(self._of_means, e) / (e @ e))
+        return float(e @ np.linalg.solve(self.M, e) / (e @ e))
 
     def stress(self, E: Array, mu: float) -> AiryStress:
         """The best of them in the mean strain rate E, of fluid of viscosity mu."""
-        means = np.linalg.solve(
-            self._of_means, 2.0 * mu * self._rates(E) - self.M[:, len(self.means) :].sum(axis=1)
-        )
-        mean = sum((k * G for k, G in zip(means, self.means, strict=True)), np.zeros((2, 2)))
-        x = self.x[:, : len(means)] @ means + self.x[:, len(means) :].sum(axis=1)
+        k = len(self.means)
+        M, c = self.M[:, :k], self.M[:, k:].sum(axis=1)  # 0 without forces
+        means = np.linalg.solve(M, 2.0 * mu * self._rates(E) - c)
+        mean = sum((m * G for m, G in zip(means, self.means, strict=True)), np.zeros((2, 2)))
+        x = self.x[:, :k] @ means + self.x[:, k:].sum(axis=1)
         return AiryStress(self.system, x, mean, self.forces)
-
-    @property
-    def _of_means(self) -> Array:
-        return self.M[:, : len(self.means)]
 
     def _rates(self, E: Array) -> Array:
         """e, of a channel E_xy alone."""
