@@ -123,15 +123,17 @@ def widest_view(surfaces: BoundingSurfaces) -> float:
 def order_of_insertion(surfaces: BoundingSurfaces) -> Bodies:
     """All discs, rows (surface, its image in the cell), in ever larger rounds, each along a winding path.
 
-    Rounds keep pores round while they are few, and the path keeps walks short (Amenta, Choi and Rote 2003,
-    Incremental constructions con BRIO).
+    The cell is that of the first disc, in which its pores stand, wherever that is. Rounds keep pores round
+    while they are few, and the path keeps walks short (Amenta, Choi and Rote 2003, Incremental constructions
+    con BRIO).
     """
     n = surfaces.discs
     x, image = surfaces.centre[:n], np.zeros((n, 2), np.int64)
-    if len(surfaces.periods):
-        image[:, : len(surfaces.periods)] = -np.floor(x @ np.linalg.pinv(surfaces.periods)).astype(np.int64)
-        x = x + image[:, : len(surfaces.periods)] @ surfaces.periods
     place = np.random.default_rng(0).permutation(n)
+    if len(surfaces.periods):
+        cell = np.floor(x @ np.linalg.pinv(surfaces.periods)).astype(np.int64)
+        image[:, : len(surfaces.periods)] = cell[np.argmin(place)] - cell
+        x = x + image[:, : len(surfaces.periods)] @ surfaces.periods
     size = np.maximum(np.ptp(x, axis=0).max(initial=0.0), 1e-300)
     rounds = np.ceil(np.log2(place + 1.0))
     row = np.floor((x[:, 1] - x[:, 1].min(initial=0.0)) / size * np.sqrt(2.0**rounds))

@@ -97,8 +97,10 @@ def begun_alike(pores: Pores) -> Pores:
     """The pores, each run through from a vertex that its shape decides.
 
     Fluid discs come first, so that few patterns of them occur; else the vertex opposite the narrowest neck.
+    Necks that differ by rounding alone are as wide, in whatever unit: circles of fluid often leave such.
     """
     gap = np.where(pores.sides < 0, 0.0, pores.neck_gap[pores.sides])
+    gap = np.round(gap / gap.max(axis=1, keepdims=True), 9)
     fluid = pores.surfaces.fluid[pores.vertices].astype(np.int64)
     # Of bodies alone, and of fluid discs alone, all three vertices begin the same pattern.
     pattern = 4 * fluid + 2 * np.roll(fluid, -1, axis=1) + np.roll(fluid, -2, axis=1)

@@ -53,6 +53,16 @@ def test_a_cell_may_lie_anywhere(seed: int, n: int, shift: tuple[float, float]) 
     require_same(strained(replace(one, centre=one.centre + np.array(shift))), flow, U)
 
 
+@pytest.mark.parametrize("moved", [np.ones(4), np.array([1.0, 0.0, 0.0, -2.0])], ids=["all", "some"])
+def test_bodies_may_be_given_by_images_far_away(moved: Array) -> None:
+    """Thousands of periods: where circles of fluid came near the origin there was no end of them."""
+    one, away = packing(7, 4), np.outer(moved, 1000.0 * SKEW[0] - 3000.0 * SKEW[1])
+    flow, far = strained(one), strained(replace(one, centre=one.centre + away))
+    assert far.dissipation == pytest.approx(flow.dissipation, rel=1e-6)
+    np.testing.assert_allclose(far.U[:, :2] - away @ G.T, flow.U[:, :2], atol=1e-5)
+    np.testing.assert_allclose(far.U[:, 2], flow.U[:, 2], atol=1e-5)
+
+
 @given(SEEDS, NUMBERS, st.floats(0.0, 6.3), st.booleans())
 @few
 def test_a_cell_may_be_turned_and_mirrored(seed: int, n: int, angle: float, mirrored: bool) -> None:

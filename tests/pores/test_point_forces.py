@@ -70,6 +70,18 @@ def test_the_stress_is_periodic_and_the_pressure_rises_by_its_mean_gradient(peri
         np.testing.assert_allclose(shifted[0], p + 3.0 * period @ of.gradient, atol=1e-10 * np.abs(p).max())
 
 
+def test_the_stress_does_not_know_which_image_is_the_nearest() -> None:
+    """Half a period away from a force another image becomes it: p and D are the same on both sides, to 1e-6.
+
+    A wrong linear part of a lattice would make a step of a tenth and more.
+    """
+    of = PointForces(np.zeros((1, 2)), np.array([[1.0, 2.0, 0.5]]), LATTICE, 0.0)
+    for first, other in (LATTICE, LATTICE[::-1]):
+        p, D = of.stress((0.5 + np.array([[-1e-8], [1e-8]])) * first + 0.3 * other)
+        assert abs(p[1] - p[0]) < 1e-6
+        assert abs(D[1] - D[0]) < 1e-6
+
+
 def in_pores(surfaces: BoundingSurfaces, of: PointForces) -> tuple[ForceSeries, Array]:
     """The series, and points in pores and in fluid discs, (P, 4, 2)."""
     pores = pores_without_wide(surfaces)
