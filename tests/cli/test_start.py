@@ -80,6 +80,7 @@ def test_ctrl_c_while_the_command_line_loads_is_one_line() -> None:
     """Python's traceback was printed, in the first half second."""
     script = """
         import signal, sys
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored behind a shell's `&`
         class Interrupting:
             def find_spec(self, name, *_):
                 if name == "fsi.cli.streams":

@@ -24,9 +24,11 @@ ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 @pytest.fixture(autouse=True)
 def handlers_stay() -> Iterator[None]:
+    usual = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored behind a shell's `&`
     before = [signal.getsignal(number) for number in ENDING]
     yield
     assert [signal.getsignal(number) for number in ENDING] == before
+    signal.signal(signal.SIGINT, usual)
 
 
 def test_ctrl_c_comes_after_what_is_held() -> None:

@@ -24,6 +24,7 @@ from typing import Any
 
 import basix
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
@@ -128,7 +129,7 @@ class StokesCells:
             here = loops().lib.squared_strain_rate(
                 cells, pointer(forms.V.dofmap.list), pointer(forms.u.x.array)
             )
-        return 2.0 * forms.viscosity * float(forms.mesh.comm.allreduce(here))
+        return 2.0 * forms.viscosity * float(MPI.COMM_WORLD.allreduce(here))
 
     @contextmanager
     def _in_c(self) -> Iterator[Any]:

@@ -99,7 +99,7 @@ def test_a_field_that_is_registered_can_be_rendered_by_its_name(
     capfd.readouterr()
     assert fsi_command("render", run, "--field", "other") == 2
     assert "--field other: give one of speed, pressure, " in (said := capfd.readouterr().err)
-    assert said.rstrip().endswith("mesh, upwards")
+    assert said.rstrip().endswith("mesh, upwards, motion")
 
 
 def test_values_of_a_registered_field(run: Path, upwards: RenderedField) -> None:
