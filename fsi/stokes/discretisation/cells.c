@@ -46,7 +46,7 @@ INLINE double map_back(const Cells *c, const double *X, const double *derivative
   return inverted(d, J, I);
 }
 
-/* What a point of quadrature counts for in a cell; dX/dx there, and with an axis r, of which it has the factor 2 pi r. */
+/* What a point of quadrature counts for in a cell, with an axis 2 pi r times as much; dX/dx there, and r. */
 INLINE double at_point(const Cells *c, const double *X, int q, double *I, double *r)
 {
   const double *of_map = c->of_map + q * (1 + c->dimension) * c->points;
@@ -65,32 +65,54 @@ INLINE void places_of(const Cells *c, int cell, double *X)
     memcpy(X + 3 * k, c->x + 3 * (int64_t)c->geometry[(int64_t)cell * c->points + k], 3 * sizeof(double));
 }
 
+/* e : e, without (u_r / r)^2, of a flow with values U (nodes, d) where functions of the reference cell are these. */
+INLINE double squared_rates_in(int d, int n, const double *restrict of_u, const double *restrict U, const double *I)
+{
+  double G[9] = {0}, e_e = 0.0;
+  for (int i = 0; i < n; i++)
+    for (int a = 0; a < d; a++)
+      for (int e = 0; e < d; e++)
+        G[a * d + e] += U[d * i + a] * of_u[(1 + e) * n + i];
+  for (int a = 0; a < d; a++)
+    for (int b = 0; b < d; b++) {
+      double e_ab = 0.0;
+      for (int e = 0; e < d; e++)
+        e_ab += 0.5 * (G[a * d + e] * I[e * d + b] + G[b * d + e] * I[e * d + a]);
+      e_e += e_ab * e_ab;
+    }
+  return e_e;
+}
+
+/* The same with loops over so many components as the compiler knows. */
+INLINE double squared_rates(int d, int n, const double *of_u, const double *U, const double *I)
+{
+  return d == 2 ? squared_rates_in(2, n, of_u, U, I) : squared_rates_in(3, n, of_u, U, I);
+}
+
 /* int e : e over all cells of the flow with these values at their nodes, (cells, nodes) and (.., d). */
 FOR_THIS_MACHINE
 double squared_strain_rate(const Cells *c, const int32_t *nodes, const double *u)
 {
-  const int d = c->dimension, n = c->nodes;
-  double X[3 * c->points], I[9], r, sum = 0.0;
+  const int d = c->dimension, n = c->nodes, step = (1 + d) * n;
+  double X[3 * c->points], U[d * n], I[9], r, sum = 0.0;
   for (int cell = 0; cell < c->cells; cell++, nodes += n) {
     places_of(c, cell, X);
-    for (int q = 0; q < c->count; q++) {
-      const double *of_u = c->of_u + q * (1 + d) * n, weight = at_point(c, X, q, I, &r);
-      double du_dX[9] = {0}, u_r = 0.0, e_e = 0.0;
-      for (int i = 0; i < n; i++) {
-        const double *value = u + d * (int64_t)nodes[i];
-        u_r += value[0] * of_u[i];
-        for (int a = 0; a < d; a++)
-          for (int e = 0; e < d; e++)
-            du_dX[a * d + e] += value[a] * of_u[(1 + e) * n + i];
-      }
+    for (int i = 0; i < n; i++)
       for (int a = 0; a < d; a++)
-        for (int b = 0; b < d; b++) {
-          double e_ab = 0.0;
-          for (int e = 0; e < d; e++)
-            e_ab += 0.5 * (du_dX[a * d + e] * I[e * d + b] + du_dX[b * d + e] * I[e * d + a]);
-          e_e += e_ab * e_ab;
-        }
-      sum += weight * (e_e + (c->axisymmetric ? u_r * u_r / (r * r) : 0.0));
+        U[d * i + a] = u[d * (int64_t)nodes[i] + a];
+    if (c->straight[cell] && !c->axisymmetric) {
+      const double volume = fabs(map_back(c, X, c->of_map + c->points, I));
+      for (int q = 0; q < c->count; q++)
+        sum += volume * c->weights[q] * squared_rates(d, n, c->of_u + q * step, U, I);
+      continue;
+    }
+    for (int q = 0; q < c->count; q++) {
+      const double weight = at_point(c, X, q, I, &r);
+      double u_r = 0.0;
+      for (int i = 0; i < n; i++)
+        u_r += U[d * i] * c->of_u[q * step + i];
+      sum += weight * squared_rates(d, n, c->of_u + q * step, U, I);
+      sum += c->axisymmetric ? weight * u_r * u_r / (r * r) : 0.0;
     }
   }
   return sum;
