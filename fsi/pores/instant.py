@@ -35,7 +35,7 @@ from fsi.pores.vtu import write_flow, write_necks
 
 # Narrowest necks with a lower bound: at a tenth of it rounding takes that of a pair of discs above the truth.
 BOUNDED = 1e-4
-FEW = 500  # bodies: stresses take 11 ms each, five times what bars do
+FEW = 500  # bodies: a bound takes 11 ms each, five times what bars do, and a pressure some 0.1 s
 # Of itself, how far apart pressures with two numbers of modes may be; the better one is off by a part of it.
 APART = 0.4
 NO_PRESSURE = (
