@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import compiled, internal
 from fsi.pores.pattern import Index
-from fsi.pores.point_forces import Functions, Loads, PointForces, Rows, alone, of_rows, seen_from
+from fsi.pores.point_forces import Functions, ImageRows, Loads, PointForces, alone, of_rows, seen_from
 from fsi.pores.pore_data import Complex, planar
 from fsi.pores.regions import PoreShapes
 from fsi.pores.surfaces import BoundingSurfaces
@@ -69,7 +69,7 @@ class ForceSeries:
 
 
 @compiled
-def _expand(places: tuple[Complex, Array], loads: Loads, rows: Rows, a: Complex, b: Complex) -> None:
+def _expand(places: tuple[Complex, Array], loads: Loads, rows: ImageRows, a: Complex, b: Complex) -> None:
     """The coefficients around each place that has any."""
     middle, radius = places
     r0, near = np.empty(len(loads.at), np.complex128), np.empty(len(loads.at), np.bool_)
@@ -93,7 +93,7 @@ def _fill(
     z: Complex,
     places: tuple[Complex, Array, Complex, Complex],
     loads: Loads,
-    rows: Rows,
+    rows: ImageRows,
     to: tuple[Array, Complex],
 ) -> None:
     """p and D at points of places, (n, k)."""
@@ -101,7 +101,7 @@ def _fill(
     r0 = np.empty(len(loads.at), np.complex128)
     for e in range(len(z)):
         level, by_series = seen_from(middle[e], loads, rows, r0), radius[e] > 0.0
-        none = Rows(0.0, 0j, 0) if by_series else rows
+        none = ImageRows(0.0, 0j, 0) if by_series else rows
         near = np.abs(r0) < _FAR / _WIDER * radius[e] if by_series else np.ones(len(r0), np.bool_)
         for k in range(z.shape[1]):
             r = z[e, k] - middle[e]
@@ -125,7 +125,7 @@ def _series(r: complex, radius: float, a: Complex, b: Complex) -> Functions:
 
 
 @internal
-def _sum(r: complex, seen: tuple[Complex, NDArray[np.bool_]], loads: Loads, rows: Rows) -> Functions:
+def _sum(r: complex, seen: tuple[Complex, NDArray[np.bool_]], loads: Loads, rows: ImageRows) -> Functions:
     """A, A' and B at r from the middle, conj(D) = conj(r) A' + B, without what is singular near it."""
     (r0, near), A, slope, B = seen, 0j, 0j, 0j
     for i in range(len(r0)):

@@ -36,7 +36,7 @@ _DIGITS = 36.0  # rows whose uniform stress is all that is left: exp(-36) is 2e-
 type Functions = tuple[complex, complex, complex]  # A, A' and B
 
 
-class Rows(NamedTuple):
+class ImageRows(NamedTuple):
     """Rows of images along x.
 
     Attributes:
@@ -98,17 +98,17 @@ class PointForces:
         return Loads(turn * planar(self.at), turn * planar(self.F[:, :2]), np.ascontiguousarray(self.F[:, 2]))
 
     @property
-    def rows(self) -> Rows:
+    def rows(self) -> ImageRows:
         """In their frame."""
         if len(self.periods) == 0:
-            return Rows(0.0, 0j, 0)
+            return ImageRows(0.0, 0j, 0)
         periods, first = planar(self.periods), self._shorter
         L = float(abs(periods[first]))
         if len(periods) == 1:
-            return Rows(L, 0j, 0)
+            return ImageRows(L, 0j, 0)
         up = complex(periods[1 - first]) * self.along.conjugate()
         up = up if up.imag > 0.0 else -up
-        return Rows(L, up, int(np.ceil(1.0 + _DIGITS * L / (2.0 * np.pi * up.imag))))
+        return ImageRows(L, up, int(np.ceil(1.0 + _DIGITS * L / (2.0 * np.pi * up.imag))))
 
     @property
     def _shorter(self) -> int:
@@ -127,7 +127,7 @@ class PointForces:
 
 
 @compiled
-def _fill(z: Complex, loads: Loads, rows: Rows, p: Array, D: Complex) -> None:
+def _fill(z: Complex, loads: Loads, rows: ImageRows, p: Array, D: Complex) -> None:
     """p and D at points."""
     r0 = np.empty(len(loads.at), np.complex128)
     for k in range(len(z)):
@@ -140,7 +140,7 @@ def _fill(z: Complex, loads: Loads, rows: Rows, p: Array, D: Complex) -> None:
 
 
 @internal
-def seen_from(z: complex, loads: Loads, rows: Rows, r0: Complex) -> float:
+def seen_from(z: complex, loads: Loads, rows: ImageRows, r0: Complex) -> float:
     """Where a point is seen from the nearest images, and what p has there more than at such images."""
     level = 0.0
     for i in range(len(r0)):
@@ -166,7 +166,7 @@ def alone(z: complex, F: complex, T: float) -> Functions:
 
 
 @internal
-def of_rows(z: complex, F: complex, T: float, rows: Rows) -> Functions:
+def of_rows(z: complex, F: complex, T: float, rows: ImageRows) -> Functions:
     """Of a force and its images; of a lattice with the part that makes D periodic."""
     if rows.L == 0.0:
         return alone(z, F, T)
@@ -184,7 +184,7 @@ def of_rows(z: complex, F: complex, T: float, rows: Rows) -> Functions:
 
 
 @internal
-def _other_rows(z: complex, F: complex, T: float, rows: Rows) -> Functions:
+def _other_rows(z: complex, F: complex, T: float, rows: ImageRows) -> Functions:
     """Sums of c and c' over the rows above and below, and what they add to 4 pi B."""
     c, slope, B, turn = 0j, 0j, 0j, 2j * np.pi / rows.L
     shrink = np.exp(turn * rows.up)
