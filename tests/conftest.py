@@ -1,6 +1,7 @@
 """For all tests: load the project before NumPy, as the command line does, so that it runs on one thread."""
 
 import os
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -37,3 +38,13 @@ def drawing() -> None:
         if os.environ.get("CI"):
             pytest.fail(f"{NO_PICTURES}: {error}")
         pytest.skip(f"{NO_PICTURES}: {error}")
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the small run from its beginning to its end."""
+    from tests.small_run import small_case, start  # which few tests need
+
+    folder = tmp_path_factory.mktemp("runs") / "unbroken"
+    start(small_case(), folder)
+    return folder

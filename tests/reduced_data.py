@@ -6,6 +6,8 @@ from typing import Any
 
 from fsi.case.case import Case
 from fsi.case.load import parse_case
+from fsi.models import make_model
+from fsi.reduced.model import ReducedInstant
 
 
 def reduced_case(bodies: list[dict[str, Any]], reduced: dict[str, Any], **sections: Any) -> Case:
@@ -34,3 +36,14 @@ def heap(**more: Any) -> list[dict[str, Any]]:
 
 
 INERTIA = {"mass": 1.0, "moment_of_inertia": 0.5}
+
+
+# Laws of all three modes, those of sliding and rolling by their leading terms too.
+ALL = {"law": "exact", "shear_law": "exact", "rotation_law": "exact", "drag": 12.0, "cutoff": 1.0}
+LEADING = ALL | {"shear_law": "leading", "rotation_law": "leading"}
+
+
+def instant(case: Case) -> ReducedInstant:
+    found = make_model(case)(case.configuration(), 0.0)
+    assert isinstance(found, ReducedInstant)
+    return found

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from fsi.case.case import Case
 from fsi.case.load import parse_case
+from fsi.integration.state import StepRecord
 from fsi.runs import Outcome, run
 from tests.exact_model import DiscsBesidePlane, by
 
@@ -60,10 +62,23 @@ def contents(folder: Path) -> dict[str, Any]:
 
 
 def rows(table: Path) -> list[dict[str, str]]:
-    with table.open(newline="") as file:
+    with table.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
 def launches(folder: Path) -> list[dict[str, Any]]:
     found: list[dict[str, Any]] = json.loads((folder / "provenance.json").read_text())["launches"]
     return found
+
+
+class KilledError(Exception):
+    """Instead of a signal, where the place to break off is a step."""
+
+
+def break_off(folder: Path, case: Case, step: int) -> None:
+    def progress(record: StepRecord) -> None:
+        if record.step == step:
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        run(case, folder, progress, make=by(make_model))

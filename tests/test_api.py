@@ -5,9 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,26 +13,9 @@ import pytest
 import fsi
 import fsi.api as api
 from fsi.meshes.errors import MeshError, MeshFileError
-from tests.cli.test_commands import call
-from tests.ranks import needs_mpi, python_on
+from tests.one_disc import reduced
 
 ROOT = Path(__file__).parents[1]
-BOX = ROOT / "cases" / "disc_in_box.toml"
-DISC: dict[str, Any] = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "force": [0.0, -1.0]}
-
-
-def reduced(**more: Any) -> fsi.Case:
-    """A disc above a plane in the reduced model, built without a file."""
-    sections: dict[str, Any] = {
-        "name": "disc",
-        "model": "reduced",
-        "fluid": {"viscosity": 1.0},
-        "domain": {"shape": "half-plane", "radius": 100.0},
-        "bodies": [DISC],
-        "reduced": {"drag": 10.0},
-        "time": {"end": 1.0},
-    }
-    return fsi.make_case(**(sections | more))
 
 
 def test_all_names_stand_in_all_three_places() -> None:
@@ -124,28 +105,6 @@ def test_levels_without_an_instant_say_so() -> None:
         fsi.solve(case)
 
 
-def test_a_mistake_in_python_is_one_line_too() -> None:
-    with pytest.raises(fsi.InputError, match=r"reduced\.darg = 10\.0: unknown key; use reduced\.drag"):
-        reduced(reduced={"darg": 10.0})
-
-
-@pytest.mark.parametrize("case", ["case.toml", None, {"name": "disc"}])
-def test_what_is_no_case_is_refused(case: Any, tmp_path: Path) -> None:
-    words = rf"^case: is a {type(case).__name__}; give fsi\.load_case\(PATH\)"
-    out = tmp_path / "out"
-    for use in (fsi.solve, lambda it: fsi.run(it, out), lambda it: fsi.calibrate(it, out)):
-        with pytest.raises(fsi.InputError, match=words):
-            use(case)
-    assert not out.exists()
-
-
-def test_a_calibration_without_processes_writes_nothing(tmp_path: Path) -> None:
-    case = fsi.load_case(ROOT / "cases" / "calibration" / "disc_wall.toml")
-    with pytest.raises(fsi.InputError, match=r"^processes = 0: give at least 1$"):
-        fsi.calibrate(case, tmp_path / "out", 0)
-    assert not list(tmp_path.iterdir())
-
-
 def test_cases_solutions_and_runs_say_what_they_are(tmp_path: Path) -> None:
     case = reduced()
     assert repr(case) == "<Case 'disc': reduced, planar, 1 bodies, half-plane>"
@@ -187,24 +146,6 @@ def test_solutions_are_equal_to_themselves_alone() -> None:
     assert body != solution["disc"]
 
 
-def test_a_case_takes_arrays_and_numbers_of_numpy() -> None:
-    body = DISC | {"radius": np.int64(1), "position": np.array([0, 2]), "force": (np.float32(0), -1.0)}
-    assert reduced(bodies=[body]) == reduced()
-    assert reduced(bodies=np.array([body], dtype=object)) == reduced()
-    with pytest.raises(fsi.InputError, match=r"^bodies\.0\.position\.0 = \[0\.0, 2\.0\]: must be a"):
-        reduced(bodies=[DISC | {"position": np.array([[0.0, 2.0]])}])
-
-
-def test_a_case_takes_paths_for_files(tmp_path: Path) -> None:
-    """It said that the mesh must be a text."""
-    mesh = tmp_path / "own.msh"
-    domain = {"lower": [-3.0, 0.0], "upper": [3.0, 6.0], "mesh": mesh}
-    with pytest.raises(fsi.InputError, match=r"^domain\.mesh = .*: no such file"):
-        reduced(domain=domain, model="resolved")
-    mesh.touch()
-    assert reduced(domain=domain, model="resolved").domain.mesh == str(mesh)
-
-
 def test_a_mesh_that_fails_is_a_solve_that_fails() -> None:
     """As `fsi.errors` has it: `except fsi.FsiError` did not catch it."""
     assert issubclass(MeshError, fsi.SolveError)
@@ -230,107 +171,3 @@ def test_programs_without_a_standard_error_run(tmp_path: Path, monkeypatch: pyte
     """As under pythonw: sys.stderr is None."""
     monkeypatch.setattr(sys, "stderr", None)
     assert len(fsi.run(reduced(), tmp_path / "run").steps) > 1
-
-
-API: Any = fsi  # as those use it who check no types
-
-
-@pytest.mark.parametrize(
-    ("ask", "words"),
-    [
-        (lambda _: API.load_case(None), "path: is a NoneType"),
-        (lambda _: API.load_case(3), "path: is a int"),
-        (lambda _: API.load_case(b"x"), "path: is a bytes"),
-        (lambda _: API.load_case(BOX, None), "overrides = None"),
-        (lambda _: API.open_run(None), "run: is a NoneType"),
-        (lambda _: API.resume(None), "folder: is a NoneType"),
-        (lambda case: API.run(case, None), "folder: is a NoneType"),
-        (lambda case: API.run(case, "out", 3), "callback: is a int"),
-        (lambda case: API.solve(case).write(None), "folder: is a NoneType"),
-        (lambda _: API.load_case("a\0b"), r"path = 'a\\x00b': has a zero byte"),
-        (lambda _: API.resume("a\0b"), r"folder = 'a\\x00b': has a zero byte"),
-        (lambda case: API.run(case, "a\0b"), r"folder = 'a\\x00b': has a zero byte"),
-        (lambda case: API.solve(case).write("a\0b"), r"folder = 'a\\x00b': has a zero byte"),
-        (lambda case: API.calibrate(case, "out", "2"), "processes: is a str"),
-        (lambda case: API.calibrate(case, "out", 1.5), "processes: is a float"),
-    ],
-)
-def test_what_is_no_argument_is_refused_in_one_line(
-    ask: Callable[[fsi.Case], object], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(fsi.InputError, match=rf"^{words}[;:] give .+$"):
-        ask(reduced())
-    assert not list(tmp_path.iterdir())
-
-
-@needs_mpi
-@pytest.mark.mpi
-def test_it_works_on_several_ranks(tmp_path: Path) -> None:
-    """The force on a disc, a point of the flow and a run are those of one process."""
-    script = tmp_path / "script.py"
-    script.write_text(
-        f"import fsi, fsi.parallel as parallel\n"
-        f"case = fsi.load_case({str(ROOT / 'cases' / 'disc_in_box.toml')!r}, ['discretisation.degree=2'])\n"
-        "solution = fsi.solve(case)\n"
-        "u, p = solution.evaluate([[0.0, 4.0]])\n"
-        "small = fsi.load_case(" + repr(str(ROOT / "cases" / "gluey" / "two_discs.toml")) + ", "
-        "['time.end=0.1', 'time.step=0.05'])\n"
-        f"steps = len(fsi.run(small, {str(tmp_path / 'run')!r} + str(parallel.size())).steps)\n"
-        "if parallel.is_root():\n"
-        "    print(solution['disc'].force[1], u[0, 1], p[0], steps)\n"
-    )
-    alone = call(sys.executable, str(script))
-    several = call(*python_on(2), str(script))
-    assert alone.returncode == several.returncode == 0, several.stderr
-    np.testing.assert_allclose(
-        [float(word) for word in several.stdout.split()],
-        [float(word) for word in alone.stdout.split()],
-        rtol=1e-9,
-    )
-
-
-DIFFERENT = """
-import sys
-import numpy as np
-import fsi, fsi.parallel as parallel
-
-def refused(what, ask):
-    try:
-        ask()
-    except fsi.InputError as error:
-        said = parallel.gather(str(error))
-        assert said == 2 * [f"{what}: not the same on all ranks; give the same on each"], said
-    else:
-        raise AssertionError(what)
-
-box, own, out = sys.argv[1], parallel.rank(), sys.argv[2]
-small = ["discretisation.degree=2", "discretisation.cells_per_circle=12", "discretisation.growth=1.0"]
-case = fsi.load_case(box, small)
-solution = fsi.solve(case)
-x = np.column_stack([np.linspace(-3.0, 3.0, 40), np.full(40, 4.0)])
-for points in (x[own::2], x[: 20 + own], x if own else []):
-    refused("points", lambda: solution.evaluate(points))
-    refused("points", lambda: solution.velocity(points))
-other = fsi.load_case(box, [*small, f"fluid.viscosity={1 + own}"])
-refused("case", lambda: fsi.solve(other))
-refused("case", lambda: fsi.run(other, out))
-refused("case", lambda: fsi.calibrate(other, out))
-refused("folder", lambda: fsi.run(case, f"{out}{own}"))
-refused("folder", lambda: fsi.resume(f"{out}{own}"))
-refused("folder", lambda: solution.write(f"{out}{own}"))
-assert not np.isnan(solution.velocity(x)).any()
-if parallel.is_root():
-    print("done")
-"""
-
-
-@needs_mpi
-@pytest.mark.mpi
-def test_what_differs_between_ranks_is_refused_on_all_of_them(tmp_path: Path) -> None:
-    """Points were matched by their places: of halves the values were those of the other rank's points."""
-    box = ROOT / "cases" / "disc_in_box.toml"
-    done = call(*python_on(2), "-c", DIFFERENT, str(box), str(tmp_path / "out"), timeout=120.0)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == "done\n"
-    assert not list(tmp_path.iterdir())

@@ -11,7 +11,7 @@ import pytest
 
 import fsi
 from tests.cli.test_commands import call
-from tests.test_api import reduced
+from tests.one_disc import reduced
 
 THREADS = """
 from threading import Barrier, Thread

@@ -1,17 +1,14 @@
-"""The section [[bodies]] of a case file, and [[grids]], rows of like bodies."""
+"""The section [[bodies]] of a case file."""
 
-import itertools
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cached_property
 from math import nan
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import (
     Field,
     SerializerFunctionWrapHandler,
-    ValidationError,
     ValidationInfo,
     field_validator,
     model_serializer,
@@ -19,8 +16,6 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from fsi.bodies.configuration import Array
-from fsi.case.complaints import explain
 from fsi.case.section import (
     Geometry,
     Name,
@@ -30,13 +25,9 @@ from fsi.case.section import (
     all_components,
     require_components,
     told,
-    toml_text,
-    tuples,
 )
-from fsi.case.series import Angle, Component, Series, Spin, Torque
+from fsi.case.series import Angle, Component, Series, Spin, Torque, kinks
 from fsi.case.shapes.shape import Shape
-from fsi.errors import InputError
-from fsi.machine.resources import require_memory
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.outline import Outline
 
@@ -45,8 +36,6 @@ if TYPE_CHECKING:
 
 FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
-_TOUCHING = 1e-9  # of the smallest radius: an overlap by less is rounding
-_BYTES = 4000.0  # of a body of a case: measured 3 kB
 _MOTION = f'"free", {_LOAD}'
 
 
@@ -186,6 +175,13 @@ class Body(Section):
         return self.mass, moment or 0.0
 
     @property
+    def masses(self) -> tuple[float, ...]:
+        """m or I of each mode, (M,); 0 of a body without."""
+        mass, moment = self.inertia or (0.0, 0.0)
+        turning = len(self.motion) - len(self.velocity)
+        return len(self.velocity) * (mass,) + turning * (moment,)
+
+    @property
     def swims(self) -> bool:
         """Whether its surface moves along itself."""
         return any(self.surface_velocity or ())
@@ -202,6 +198,10 @@ class Body(Section):
         turning = self.torque
         return (*self.force, *(turning if isinstance(turning, tuple) else (turning,)))
 
+    def kinks(self) -> set[float]:
+        """The times at which what is prescribed or a load has a kink."""
+        return {time for part in (*self.motion, *self.loads) for time in kinks(part)}
+
     @property
     def initial_motion(self) -> tuple[float, ...]:
         """The velocity of each mode at time 0, (M,); 0 where none is given."""
@@ -214,86 +214,3 @@ class Body(Section):
         """The keys of the loads on each mode: `force.0`, ..., `torque` (in space `torque.2`), (M,)."""
         turning = [f"torque.{k}" for k in range(3)] if isinstance(self.torque, tuple) else ["torque"]
         return (*(f"force.{k}" for k in range(len(self.force))), *turning)
-
-
-class Grid(Section):
-    """Rows of like bodies, a little disturbed; the case holds them one by one, named `NAME k` from 0."""
-
-    name: Name
-    """a name of letters, digits, blanks, - and _, neither blank nor - first"""
-    counts: tuple[Annotated[int, Field(ge=1)], ...] = Field(min_length=2, max_length=3)
-    """how many in each direction, at least 1"""
-    lower: tuple[float, ...]
-    """the centre of the first, a point"""
-    spacing: Positive
-    """the distance between neighbours' centres, a number > 0"""
-    radius: tuple[Positive, Positive]
-    """the smallest and the largest radius, two numbers > 0"""
-    jitter: NotNegative = 0.0
-    """the largest disturbance of a coordinate, >= 0"""
-    seed: int = Field(default=0, ge=0)
-    """of the random numbers, a whole number >= 0"""
-    initial_velocity: tuple[float, ...] | None = None
-    """their velocity at time 0, as in [[bodies]]; at rest if not given"""
-
-    _all_components = field_validator("counts", "lower", "initial_velocity")(all_components)
-
-    @field_validator("radius")
-    @classmethod
-    def _in_order(cls, radius: tuple[float, float]) -> tuple[float, float]:
-        if radius[0] > radius[1]:
-            raise ValueError("has the largest before the smallest")
-        return radius
-
-    def bodies(self, here: str) -> list[dict[str, Any]]:
-        """Its members as entries of [[bodies]], the last coordinate running first; here: the grid's key.
-
-        Raises InputError: neighbours in a row overlap.
-        """
-        random = np.random.default_rng(self.seed)
-        places = np.array(list(itertools.product(*map(range, self.counts))), dtype=float)
-        disturbance = random.uniform(-self.jitter, self.jitter, places.shape)
-        centres = np.array(self.lower) + self.spacing * places + disturbance
-        radii = random.uniform(*self.radius, len(places))
-        self._require_room(here, centres, radii)
-        moving = {} if self.initial_velocity is None else {"initial_velocity": self.initial_velocity}
-        return [
-            {"name": f"{self.name} {k}", "radius": float(a), "position": tuple(x.tolist())} | moving
-            for k, (x, a) in enumerate(zip(centres, radii, strict=True))
-        ]
-
-    def _require_room(self, here: str, centres: Array, radii: Array) -> None:
-        """Neighbours may touch; whatever else overlaps, and where they may not, the whole case tells."""
-        x, a = centres.reshape(*self.counts, -1), radii.reshape(self.counts)
-        for axis in range(a.ndim):
-            x_along, a_along = np.moveaxis(x, axis, 0), np.moveaxis(a, axis, 0)
-            with np.errstate(over="ignore", invalid="ignore"):  # of what is too large the schema tells
-                gaps = np.linalg.norm(np.diff(x_along, axis=0), axis=-1) - a_along[1:] - a_along[:-1]
-            if (least := gaps.min(initial=0.0)) < -_TOUCHING * self.radius[0]:
-                raise InputError(
-                    f"{here}.spacing = {self.spacing}: neighbours overlap by {-least:.3g}; widen it, or "
-                    "lower radius or jitter"
-                )
-
-
-def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
-    """The data of a case with the members of its [[grids]] after its bodies. Raises InputError."""
-    grids, bodies = data.get("grids", ()), data.get("bodies", ())
-    if not (isinstance(grids, list | tuple) and isinstance(bodies, list | tuple)):
-        return dict(data)  # the schema says what is wrong
-    members: list[dict[str, Any]] = []
-    names: set[str] = set()
-    for i, grid in enumerate(grids):
-        try:
-            sound = Grid.model_validate(tuples(grid), context=context)
-        except ValidationError as error:
-            raise InputError(f"grids.{i}.{explain(error, Grid, grid)}") from None
-        if sound.name in names:
-            raise InputError(f'grids.{i}.name = "{sound.name}": given twice; give each its own')
-        names.add(sound.name)
-        count = math.prod(sound.counts)
-        what = f"grids.{i}.counts = {toml_text(sound.counts)}: makes {count:.3g} bodies"
-        require_memory(what, count * _BYTES, "give fewer")
-        members += sound.bodies(f"grids.{i}")
-    rest = {key: value for key, value in data.items() if key != "grids"}
-    return rest | {"bodies": (*bodies, *members)} if members else rest

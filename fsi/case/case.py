@@ -6,7 +6,6 @@ the plane.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 
 import numpy as np
@@ -23,6 +22,7 @@ from fsi.case.domains import Domain
 from fsi.case.force_laws.law import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
+from fsi.case.reduced import Reduced
 from fsi.case.section import Geometry, Section, Text, dimension_of
 from fsi.case.sections import (
     Calibration,
@@ -32,11 +32,10 @@ from fsi.case.sections import (
     Lubrication,
     Output,
     PoreResolution,
-    Reduced,
     Sweep,
     Time,
 )
-from fsi.case.series import kinks, value_at
+from fsi.case.series import value_at
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
 from fsi.levels import LEVELS, ModelLevel
@@ -161,18 +160,7 @@ class Case(Section):
     @property
     def drag(self) -> float:
         """The drag of a body by itself in the reduced model, over mu V, for spheres over mu a V."""
-        if self.reduced.drag is not None:
-            return self.reduced.drag
-        if self.reduced.drag_from is not None:
-            from fsi.case.drag_file import read_drag_file
-
-            return read_drag_file(Path(self.reduced.drag_from)).drag
-        if not self.spheres:
-            raise InputError(
-                "reduced.drag: missing; give the drag of a disc over mu V, some 10: a lone disc in unbounded "
-                "fluid has none (Stokes's paradox), or a file of `fsi resistance --drag` by reduced.drag_from"
-            )
-        return 6.0 * np.pi
+        return self.reduced.drag_of_bodies(spheres=self.spheres)
 
     @property
     def fraction(self) -> float:
@@ -252,13 +240,7 @@ class Case(Section):
         """m or I of each mode, 0 for bodies without, shape (N, M); None when no body has inertia."""
         if all(body.mass is None for body in self.bodies):
             return None
-        d, M = self.dimension, len(self.modes)
-
-        def of_modes(body: Body) -> list[float]:
-            mass, moment = body.inertia or (0.0, 0.0)
-            return d * [mass] + (M - d) * [moment]
-
-        return self._modes(of_modes)
+        return self._modes(lambda body: body.masses)
 
     def initial_velocity(self) -> Array:
         """The velocity of each mode at time 0, (N, M): prescribed, that of a body with inertia, or 0."""
@@ -296,11 +278,10 @@ class Case(Section):
 
     def knots(self) -> tuple[float, ...]:
         """The times at which a table has a kink, increasing."""
-        parts = [part for body in self.bodies for part in (*body.motion, *body.loads)]
-        weights = (force.weight(self.bulk()) for force in self.forces)
-        parts += [part for weight in weights if weight is not None for part in weight[1]]
-        times = {time for part in parts for time in kinks(part)}
-        return tuple(sorted(times.union(*(wall.kinks() for wall in self.domain.walls.values()))))
+        of_bodies = (body.kinks() for body in self.bodies)
+        of_forces = (force.kinks(self.bulk()) for force in self.forces)
+        of_walls = (wall.kinks() for wall in self.domain.walls.values())
+        return tuple(sorted(set[float]().union(*of_bodies, *of_forces, *of_walls)))
 
     def __repr__(self) -> str:
         """What it is, in one line."""

@@ -17,13 +17,14 @@ from pydantic import ValidationError
 
 from fsi.case.arguments import lists, path_of
 from fsi.case.arranged import with_arrangement
-from fsi.case.body import Body, with_grids
+from fsi.case.body import Body
 from fsi.case.body_file import read_bodies, with_bodies
 from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
 from fsi.case.complaints import explain
+from fsi.case.grids import with_grids
+from fsi.case.reduced import LAW_KEYS
 from fsi.case.section import CaseContext, Geometry, toml_data, toml_text, tuples
-from fsi.case.sections import LAW_KEYS
 from fsi.errors import InputError
 from fsi.files import plain, write_whole
 

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from fsi.case.arranged import Arranged
-from fsi.case.body import Grid
 from fsi.case.case import Case
+from fsi.case.grids import Grid
 from fsi.case.section import Section, sections_in, toml_text
 from fsi.integration.schemes import SCHEMES
 from fsi.lubrication.named_laws import LAWS

@@ -1,12 +1,11 @@
 """The sections of a case file below the top, but for domain, bodies, forces and the models without fluid."""
 
 from collections.abc import Collection
-from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args, override
+from typing import Any, Literal, NamedTuple, Self, get_args, override
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from fsi.case.section import CaseContext, Fraction, NotNegative, Positive, Section, Text, nearest_word, told
+from fsi.case.section import CaseContext, Fraction, Positive, Section, Text, nearest_word, told
 
 
 class Fluid(Section):
@@ -157,50 +156,6 @@ class PoreResolution(Section):
 
 
 EDGE_MODES: tuple[int, ...] = get_args(PoreResolution.model_fields["modes"].annotation)
-
-
-# Of [reduced]: laws of gaps, by name or as files.
-LAW_KEYS = ("law", "wall_law", "shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
-
-
-class Reduced(Section):
-    """The reduced model: which laws, which drag."""
-
-    renamed: ClassVar[dict[str, str]] = {"scheme": "use time.scheme", "step": "use time.step"}
-
-    law: Text = "exact"
-    wall_law: Text | None = None
-    """the law of the gaps to walls, as `law`; the same if not given"""
-    shear_law: Text | None = None
-    """the law of surfaces that slide past each other, a name or the path of a law file, or none"""
-    rotation_law: Text | None = None
-    """the law of bodies that roll on each other, a name or the path of a law file, or none"""
-    wall_shear_law: Text | None = None
-    """the law of sliding along walls, as `shear_law`; the same if not given"""
-    wall_rotation_law: Text | None = None
-    """the law of turning beside walls, as `rotation_law`; the same if not given"""
-    drag: NotNegative | None = None
-    """the drag >= 0 over mu V of discs (needed, or `drag_from`), mu a V of spheres (6 pi if not given)"""
-    drag_from: Text | None = None
-    """in place of `drag`, the path of a drag file that `fsi resistance --drag` has written, or none"""
-    cutoff: Positive | None = None
-    """the gap beyond which bodies do not feel each other, a length > 0, or none"""
-    extrapolate: bool = False
-    """true to use a law file outside the range of its gaps, false to stop there"""
-
-    @classmethod
-    @override
-    def describe(cls, key: str) -> str | None:
-        if key != "law":
-            return super().describe(key)
-        from fsi.lubrication.named_laws import names_of_laws
-
-        return f"the law of the gaps: {names_of_laws()} or the path of a law file"
-
-    @property
-    def laws(self) -> dict[str, str]:
-        """The laws that are given, by their keys; those of files by the names of the files."""
-        return {key: Path(law).name for key in LAW_KEYS if (law := getattr(self, key)) is not None}
 
 
 class Lubrication(Section):

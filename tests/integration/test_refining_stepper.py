@@ -14,7 +14,7 @@ from fsi.integration.state import Instant
 from fsi.integration.stepper import RefiningStepper, Stepper
 from fsi.models import make_stepper
 from tests.exact_model import DiscsBesidePlane, plane_case
-from tests.integration.test_stepper import run
+from tests.integration.stepping import run
 
 
 class Stubborn(DiscsBesidePlane):

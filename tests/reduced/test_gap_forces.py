@@ -17,7 +17,7 @@ from fsi.lubrication.exact import normal_resistance, pair_resistance, settling_t
 from fsi.models import make_model, make_stepper
 from fsi.reduced.gap_forces import GapSystem
 from fsi.reduced.model import ReducedInstant
-from tests.reduced_data import reduced_case
+from tests.reduced_data import instant, reduced_case
 
 RING = [(np.cos(t), np.sin(t)) for t in 0.3 + np.arange(6) * pi / 3.0]
 # Centres; pairs; walls by body and normal.
@@ -172,12 +172,6 @@ def test_what_rounding_decides_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
 def disc(gap: float, drag: float, **time: Any) -> Any:
     body = {"name": "disc", "radius": 1.0, "position": [0.0, 1.0 + gap], "force": [0.0, -4.0 * pi]}
     return reduced_case([body], {"law": "exact", "drag": drag}, time={"end": 1.0} | time)
-
-
-def instant(case: Any) -> ReducedInstant:
-    solved = make_model(case)(case.configuration(), 0.0)
-    assert isinstance(solved, ReducedInstant)
-    return solved
 
 
 @pytest.mark.parametrize("drag", [1e-9, 1e-8, 1e-6, 1e-4, 8.83, 1e3])

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +14,6 @@ from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact, spheres
 from fsi.models import make_model, make_stepper
 from fsi.reduced.gap_laws import Films, make_laws
-from fsi.reduced.model import ReducedInstant, ReducedModel
-from fsi.reduced.pairs import find_pairs
-from fsi.reduced.system import identities, require, solve_system
 from tests.reduced_data import INERTIA, heap, reduced_case
 
 SETTLING = json.loads((Path(__file__).parents[1] / "reference" / "settling.json").read_text())
@@ -131,91 +126,6 @@ def test_a_disc_that_is_moved_needs_neither_drag_nor_mass(spin: object) -> None:
         reduced_case([body | {"velocity": ["free", -2.0]}], {"drag": 0.0})
 
 
-def test_two_spheres_drawn_apart_have_their_drag_once() -> None:
-    """By the exact resistance of the pair over the rate of the gap (Brenner 1961), of radii 1 and 3."""
-    gap, b, mu = 2.0, 3.0, 0.5
-    bodies = [
-        {"name": "a", "radius": 1.0, "position": [0.0, 0.0], "force": [0.0, -1.0]},
-        {"name": "b", "radius": b, "position": [0.0, 1.0 + b + gap], "force": [0.0, 1.0]},
-    ]
-    case = reduced_case(
-        bodies, {}, geometry="axisymmetric", domain={"shape": "unbounded"}, fluid={"viscosity": mu}
-    )
-    U = make_model(case)(case.configuration(), 0.0).U
-    exact_rate = 1.0 / float(spheres.relative_resistance(gap, 1.0, b, mu))
-    assert U[1, 1] - U[0, 1] == pytest.approx(exact_rate, rel=1e-8)
-
-
-@pytest.mark.parametrize("geometry", ["planar", "axisymmetric", "spatial"])
-def test_a_pair_settles_without_a_container(geometry: str) -> None:
-    """One falls onto the other, by leading laws: `zeta (V + v) = F` and `(zeta + 2 kappa) D' = F`.
-
-    With kappa = 3/2 pi D^-n, n = 1 of spheres and 3/2 of discs, zeta D + 2 int kappa grows by F t.
-    """
-    down = [0.0] * (2 if geometry == "spatial" else 1)
-    zeta, load, start = 10.0, -20.0, 0.3
-    bodies = [
-        {"name": "low", "radius": 1.0, "position": [*down, 0.0]},
-        {"name": "high", "radius": 1.0, "position": [*down, 2.0 + start], "force": [*down, load]},
-    ]
-    case = reduced_case(
-        bodies,
-        {"law": "leading", "drag": zeta},
-        geometry=geometry,
-        domain={"shape": "unbounded"},
-        time={"end": 2.0, "tolerance": 1e-6},
-    )
-    stepper = make_stepper(case, make_model(case))
-    step = stepper.start(case.configuration())
-    while step.state.t < stepper.schedule.end:
-        step = stepper.advance(step.state)
-    z, t = step.state.q.centres[:, len(down)], step.state.t
-    assert z.sum() == pytest.approx(2.0 + start + load / zeta * t, rel=1e-9)
-
-    def potential(D: float) -> float:
-        films = -2.0 * D**-0.5 if geometry == "planar" else math.log(D)
-        return zeta * D + 3.0 * math.pi * films
-
-    D = float(z[1] - z[0]) - 2.0
-    assert 0.6 * start > D
-    assert potential(D) - potential(start) == pytest.approx(load * t, rel=1e-4)
-
-
-def test_inertia_needs_no_container_either() -> None:
-    """A lone disc that coasts, 1 kg against zeta = 4: what is left of its speed is 1/(1 + 4 h) a step."""
-    body = {"name": "disc", "radius": 1.0, "position": [0.0, 0.0], "initial_velocity": [1.0, 0.0]} | INERTIA
-    case = reduced_case(
-        [body], {"drag": 4.0, "scheme": "distance", "step": 0.1}, domain={"shape": "unbounded"}
-    )
-    stepper = make_stepper(case, make_model(case))
-    step = stepper.advance(stepper.start(case.configuration()).state)
-    assert step.instant.U[0, 0] == pytest.approx(1.0 / 1.4)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"model": "resolved"}, r'^domain\.shape = "unbounded": a flow is solved for in a container'),
-        ({"model": "pores"}, r'^domain\.shape = "unbounded": a flow is solved for in a container'),
-        ({"bodies": heap()[:1] + heap()[:1]}, "has the same name"),
-        (
-            {
-                "bodies": [
-                    {"name": name, "radius": 1.0, "position": [x, 0.0]}
-                    for name, x in (("a", 0.0), ("b", 2.0))
-                ]
-            },
-            r"overlap or touch \(gap 0\); move them apart",
-        ),
-        ({"bodies": []}, r"^bodies: missing; give \[\[bodies\]\]"),
-    ],
-)
-def test_what_is_no_case_without_a_container_is_refused(change: dict[str, Any], message: str) -> None:
-    given = {"bodies": heap(), "domain": {"shape": "unbounded"}} | change
-    with pytest.raises(InputError, match=message):
-        reduced_case(given.pop("bodies"), {"drag": 10.0}, **given)
-
-
 def test_a_body_alone_moves_and_turns_with_the_background() -> None:
     """Without load, between walls of which one moves: u_x = 3 y / 8 + ..., rotation -1/2 of the rate."""
     body = {"name": "disc", "radius": 1.0, "position": [0.0, 6.0]}
@@ -243,55 +153,6 @@ def test_walls_squeeze_what_is_between_them() -> None:
     kappa = 3.0 * math.sqrt(2.0) * math.pi * (0.1**-1.5 - 0.2**-1.5)
     assert found.F[0, 1] == pytest.approx(-0.5 * kappa)
     assert found.record["power"] < 1e-12
-
-
-@pytest.mark.parametrize("law", ["slides", "leading", "exact"])
-def test_every_identity_holds_to_1e12(law: str) -> None:
-    case = reduced_case(heap(), {"law": law, "drag": 12.0, "cutoff": 1.0})
-    found = make_model(case)(case.configuration(), 0.0)
-    assert isinstance(found, ReducedInstant)
-    assert len(found.pairs) >= 6
-    for name in ("momentum", "angular_momentum", "kernel", "residual", "power", "balance"):
-        assert found.record[name] < 1e-12, name
-
-
-def test_a_wrong_force_is_noticed() -> None:
-    """Each identity fails when what it checks is spoiled by 1e-9, or it would prove nothing."""
-
-    case = reduced_case(heap(), {"law": "leading", "drag": 12.0, "cutoff": 1.0})
-    model, q = ReducedModel(case), case.configuration()
-    around = model.surroundings(q, 0.0)
-    pairs = find_pairs(q, around.enclosure, 1.0)
-    solved = solve_system(around, pairs, pairs.gap**-1.5, None)
-    force = solved.force * (1.0 + 1e-9)
-    spoiled = identities(solved.network, q, solved.U, solved.alone, force)
-    assert spoiled["residual"] > 1e-11
-    pairs.n[np.flatnonzero(pairs.is_wall)] *= 1.0 + 1e-9  # a wall that is not where its normal says
-    bent = identities(solved.network, q, solved.U, solved.alone, solved.force)
-    assert max(bent["momentum"], bent["angular_momentum"]) > 1e-12
-    solved.network.G.data[-1] *= 1.0 + 1e-9
-    assert identities(solved.network, q, solved.U, solved.alone, solved.force)["kernel"] > 1e-12
-
-
-def test_more_dissipation_than_work_is_noticed() -> None:
-    """A steady motion, so that nothing is gained: forces 1e-9 too large dissipate 2e-9 more than is done."""
-    model = ReducedModel(reduced_case(heap(), {"law": "leading", "drag": 12.0, "cutoff": 1.0}))
-    q = model.case.configuration()
-    around = model.surroundings(q, 0.0)
-    pairs = find_pairs(q, around.enclosure, 1.0)
-    solved = solve_system(around, pairs, pairs.gap**-1.5, None)
-    masses = np.ones_like(solved.U)
-    assert solved.energy(masses, solved.U, 0.1) < 1e-13
-    spoiled = replace(solved, force=solved.force * (1.0 + 1e-9))
-    assert spoiled.energy(masses, solved.U, 0.1) > 1e-11
-
-
-@pytest.mark.parametrize("defect", [2e-12, math.nan, math.inf])
-def test_a_defect_above_the_bound_is_refused(defect: float) -> None:
-    """1e-12, as the documentation says."""
-    require({"power": 5e-13}, 1.0)
-    with pytest.raises(SolveError, match="reduced model at t = 1: power is violated by"):
-        require({"power": defect}, 1.0)
 
 
 def test_overlap_is_refused() -> None:

@@ -12,10 +12,9 @@ from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.models import make_model, make_stepper
-from fsi.reduced.model import ReducedInstant
 from fsi.runs import run
 from tests.exact_model import by
-from tests.reduced_data import INERTIA, reduced_case
+from tests.reduced_data import INERTIA, instant, reduced_case
 from tests.small_run import rows
 
 PLACES = [(0.9, 1.3), (3.1, 1.15), (1.7, 3.2), (4.4, 3.4)]
@@ -39,12 +38,6 @@ def periodic(name: str, shift: np.ndarray | float = 0.0, **more: Any) -> Case:
     bodies = [{"name": f"b{k}", "position": place} | same for k, place in enumerate(places)]
     reduced = {"law": "exact", "drag": 12.0, "cutoff": 0.6} | more.pop("reduced", {})
     return reduced_case(bodies, reduced, domain=DOMAINS[name], **more)
-
-
-def instant(case: Case) -> ReducedInstant:
-    found = make_model(case)(case.configuration(), 0.0)
-    assert isinstance(found, ReducedInstant)
-    return found
 
 
 @pytest.mark.parametrize("name", DOMAINS)

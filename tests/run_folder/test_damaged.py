@@ -23,6 +23,12 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture
+def copied(sound: Path, tmp_path: Path) -> Path:
+    """That run in a folder of its own."""
+    return shutil.copytree(sound, tmp_path / "run")
+
+
 def _half(path: Path) -> None:
     os.truncate(path, path.stat().st_size // 2)
 
@@ -66,17 +72,14 @@ def test_a_damaged_file_is_one_line(
     command: str,
     name: str,
     damage: Callable[[Path], object],
-    sound: Path,
-    tmp_path: Path,
+    copied: Path,
     capfd: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    run = tmp_path / "run"
-    shutil.copytree(sound, run)
-    damage(run / name)
-    before = _files(run)
-    assert name in complaint(capfd, monkeypatch, command, str(run))
-    assert _files(run) == before
+    damage(copied / name)
+    before = _files(copied)
+    assert name in complaint(capfd, monkeypatch, command, str(copied))
+    assert _files(copied) == before
 
 
 def _files(folder: Path) -> dict[Path, int]:
@@ -86,34 +89,26 @@ def _files(folder: Path) -> dict[Path, int]:
 
 @pytest.mark.parametrize("left", ["fields", "steps.csv", "bodies.csv"])
 def test_a_run_that_has_lost_its_state_is_left_as_it_is(
-    left: str, sound: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    left: str, copied: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Any of these tells that there were steps, which `fsi resume` removed to begin anew."""
-    run = tmp_path / "run"
-    shutil.copytree(sound, run)
     for name in {"state.npz", "steps.csv", "bodies.csv"} - {left}:
-        (run / name).unlink()
+        (copied / name).unlink()
     if left != "fields":
-        shutil.rmtree(run / "fields")
-    before = _files(run)
-    told = complaint(capfd, monkeypatch, "resume", str(run))
+        shutil.rmtree(copied / "fields")
+    before = _files(copied)
+    told = complaint(capfd, monkeypatch, "resume", str(copied))
     assert "state.npz is missing" in told
-    assert _files(run) == before
+    assert _files(copied) == before
 
 
 @pytest.mark.parametrize("command", ["plot", "render", "report", "export"])
 def test_a_case_that_was_edited_is_not_that_of_the_run(
-    command: str,
-    sound: Path,
-    tmp_path: Path,
-    capfd: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    command: str, copied: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    run = tmp_path / "run"
-    shutil.copytree(sound, run)
-    case = run / "case.toml"
+    case = copied / "case.toml"
     case.write_text(case.read_text().replace("radius = 1.0", "radius = 0.5", 1))
-    told = complaint(capfd, monkeypatch, command, str(run))
+    told = complaint(capfd, monkeypatch, command, str(copied))
     assert "bodies.0.radius = 1.0 -> 0.5; put the old values back" in told
 
 

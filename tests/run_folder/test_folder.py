@@ -23,13 +23,6 @@ from tests.exact_model import DiscsBesidePlane, ExactInstant, by
 from tests.small_run import contents, launches, make_model, rows, small_case, start
 
 
-@pytest.fixture(scope="module")
-def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs") / "unbroken"
-    start(small_case(), folder)
-    return folder
-
-
 def test_tables_tell_every_step_with_all_digits(tmp_path: Path) -> None:
     records: list[StepRecord] = []
     case = small_case()

@@ -17,8 +17,8 @@ from fsi.stokes.discretisation.loops import loops, pointer
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solvers import components, multigrid
 from tests.ranks import needs_mpi, result_on
+from tests.stokes import spatial_flows as spatial
 from tests.stokes import test_periodic_in_space as periodic
-from tests.stokes import test_spatial as spatial
 
 CASES = {
     "bodies between walls": spatial.case(spatial.BOX, solver="iterative", cells_per_circle=7, growth=1.0),

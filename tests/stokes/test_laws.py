@@ -9,34 +9,17 @@ from numpy.testing import assert_allclose
 
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError, SolveError
-from fsi.lubrication import exact, sphere_beside_plane, spheres
+from fsi.lubrication import exact, spheres
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run
 from fsi.stokes import problem, solve
-from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
-from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem
+from tests.stokes.law_flows import CHANNEL, FREE, PLANE, solved
 
 CASES = Path(__file__).parents[2] / "cases"
-PLANE = {"shape": "half-plane", "radius": 1e5}
 BALL = {"name": "ball", "radius": 1.0, "velocity": [0.0, -1.0]}
-CHANNEL = {
-    "lower": [0.0, 0.0], "upper": [6.0, 6.0], "periodic": ["x"],
-    "walls": {"bottom": [-3.0, 0.0], "top": [3.0, 0.0]},
-}  # fmt: skip
-FREE = [
-    {"name": "a", "radius": 1.0, "position": [2.0, 1.02]},
-    {"name": "b", "radius": 0.9, "position": [3.35, 2.4]},
-]
-
-
-def solved(bodies: list[dict[str, Any]], below: float | None, **more: Any) -> StokesSolution:
-    data = {"name": "laws", "fluid": {"viscosity": 2.0}, "domain": PLANE, "bodies": bodies} | more
-    data["lubrication"] = {} if below is None else {"below": below}
-    case = parse_case(data)
-    return StokesModel(case)(case.configuration(), 0.0)
 
 
 @pytest.mark.parametrize("gap", [0.0099, 1e-6])
@@ -45,77 +28,6 @@ def test_a_sphere_near_a_plane_has_the_force_of_brenner(gap: float) -> None:
     found = solved([BALL | {"position": [0.0, 1.0 + gap]}], 0.01, geometry="axisymmetric")
     assert_allclose(found.F[0, 1], -spheres.normal_resistance((1.0 + gap) - 1.0, 1.0, 2.0), rtol=1e-5)
     assert_allclose(found.dissipation, (found.U * found.F).sum(), rtol=1e-9)
-
-
-LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
-
-
-def test_a_sphere_in_space_near_a_plane_has_the_force_of_brenner() -> None:
-    """At a thousandth of the gap of the mesh, which errs by 2 % there: measured 3e-5; without the law 1e3."""
-    gap, ball = (1.0 + 5e-5) - 1.0, {"name": "ball", "radius": 1.0, "velocity": [0.0, 0.0, -1.0]}
-    found = solved(
-        [ball | {"position": [0.0, 0.0, 1.0 + gap]}], 0.05, geometry="spatial", discretisation=LIGHT
-    )
-    assert_allclose(found.F[0, 2], -spheres.normal_resistance(gap, 1.0, 2.0), rtol=1e-4)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("gap", [0.1001, 0.0999, 0.03, 1e-3, 1e-6])
-def test_a_sphere_in_space_near_a_plane_has_all_exact_loads_across_the_switch(gap: float) -> None:
-    """By Brenner, O'Neill, Dean and O'Neill: measured 9e-4 at 0.1, the error of the mesh, 5e-4 at most below.
-
-    Without the laws at 1e-3 they are 99, 51 and 54 % off.
-    """
-    gap, plane = (1.0 + gap) - 1.0, PLANE | {"radius": 200.0}
-    ball = {"name": "ball", "radius": 1.0, "position": [0.0, 0.0, 1.0 + gap]}
-    F, turning = (
-        solved([ball | motion], 0.1, geometry="spatial", domain=plane).F[0]
-        for motion in (
-            {"velocity": [1.0, 0.0, -1.0], "angular_velocity": [0.0] * 3},
-            {"velocity": [0.0] * 3, "angular_velocity": [1.0, 0, 0]},
-        )
-    )
-    A, B, C = (
-        getattr(sphere_beside_plane, f"{kind}_resistance")(gap, 1.0, 2.0)
-        for kind in ("parallel", "coupling", "rotation")
-    )
-    assert_allclose(F[2], -spheres.normal_resistance(gap, 1.0, 2.0), rtol=1e-3)
-    assert_allclose([F[0], turning[3]], [A, C], rtol=1e-3)
-    assert_allclose([-F[4], turning[1]], B, atol=1e-3 * A)
-
-
-@pytest.mark.slow
-def test_two_spheres_in_space_have_the_resolved_loads_of_sliding_and_turning() -> None:
-    """At 0.01 with a mesh for 0.06: measured 9e-3 and 5e-3; without laws 0.19 and 0.23."""
-    box = {"lower": [-5.0] * 3, "upper": [5.0, 5.0, 6.0]}
-    for motion in (
-        {"velocity": [0.0, 1.0, 0.0]},
-        {"velocity": [0.0] * 3, "angular_velocity": [0.0, 1.0, 0.0]},
-    ):
-        at_rest = {"velocity": [0.0] * 3, "angular_velocity": [0.0] * 3}
-        pair = [
-            {"name": "a", "radius": 1.0, "position": [0.0] * 3} | at_rest,
-            {"name": "b", "radius": 0.6, "position": [0.966, 0.0, 1.288]} | at_rest | motion,
-        ]
-        found, wanted = (solved(pair, below, geometry="spatial", domain=box).F for below in (0.06, None))
-        assert np.abs(found - wanted).max() < 1.5e-2 * np.abs(wanted).max()
-
-
-@pytest.mark.slow
-def test_in_a_channel_in_space_the_viscosity_is_the_same_three_ways() -> None:
-    """By walls, bulk and dissipation; without the part of the laws they differ by 1e-2."""
-    channel = {
-        "lower": [0.0] * 3, "upper": [3.2, 3.2, 4.2], "periodic": ["x", "y"],
-        "walls": {"bottom": [-1.0, 0.0, 0.0], "top": [1.0, 0.0, 0.0]},
-    }  # fmt: skip
-    pair = [
-        {"name": "a", "radius": 1.0, "position": [1.0, 1.0, 1.02]},
-        {"name": "b", "radius": 0.9, "position": [1.8, 1.9, 2.55]},
-    ]
-    found = solved(pair, 0.05, geometry="spatial", domain=channel, discretisation=LIGHT)
-    assert found.law_dissipation is not None
-    assert found.law_dissipation > 0.1
-    assert max(found.checks["stress"], found.checks["balance"], found.checks["power"]) < 1e-10
 
 
 def test_a_disc_near_a_plane_has_all_exact_loads_of_jeffrey_and_onishi() -> None:
@@ -171,24 +83,6 @@ def test_it_does_not_matter_what_of_a_law_stands_in_the_matrix(
     assert_allclose(one.law_dissipation, other.law_dissipation, rtol=1e-9)
 
 
-@pytest.mark.slow
-def test_factors_and_iterations_agree_on_free_spheres() -> None:
-    """Three, one pair 1e-5 apart, whose squeeze is beyond what stands in the matrix."""
-    box = {"lower": [-2.5] * 3, "upper": [2.5] * 3}
-    along = float((1.9 + 1e-5) / np.sqrt(3.0)) - 0.5
-    spheres = [
-        {"name": "a", "radius": 1.0, "position": [-0.5] * 3, "force": [0.0, 0.0, -1.0]},
-        {"name": "b", "radius": 0.9, "position": [along] * 3, "force": [0.3, 0.1, -2.0]},
-        {"name": "c", "radius": 0.5, "position": [-0.5, 1.02, -0.5], "torque": [0.2, 0.0, 0.0]},
-    ]
-    one, other = (
-        solved(spheres, 0.05, geometry="spatial", domain=box, discretisation=LIGHT | {"solver": solver})
-        for solver in ("direct", "iterative")
-    )
-    assert other.iterations > one.iterations == 0
-    assert_allclose(one.U, other.U, atol=1e-7 * np.abs(one.U).max())
-
-
 def test_a_crowd_that_is_moved_apart_has_the_viscosity_of_the_resolved_one() -> None:
     """Ten discs with gaps of 0.02 from wall to wall, meshed at 0.05: measured 1.4e-3; with all rates where
     bodies are meshed it is 7.8e-2, with no mean flow on the way there 4.6e-2."""
@@ -219,101 +113,6 @@ def test_nothing_changes_where_no_gap_is_below() -> None:
     with_laws, without = (solved(far, below, domain=CHANNEL) for below in (0.01, None))
     assert with_laws.law_dissipation == 0.0
     assert np.array_equal(with_laws.U, without.U)
-
-
-@pytest.mark.slow
-def test_the_bar_of_a_crowd_has_what_its_laws_miss() -> None:
-    """A pair near a wall; the difference is 1e-3 to 1e-1, the error of the mesh 1e-6."""
-    data = {"name": "laws", "fluid": {"viscosity": 2.0}, "domain": CHANNEL, "bodies": FREE}
-    found = solve_with_errors(parse_case(data | {"lubrication": {"below": 0.05}}))
-    mu = solved(FREE, None, domain=CHANNEL).apparent_viscosity
-    assert mu is not None
-    assert found.solution.apparent_viscosity is not None
-    off = abs(found.solution.apparent_viscosity - mu)
-    assert found.errors.apparent_viscosity is not None
-    assert 1e-5 * mu < off < found.errors.apparent_viscosity
-
-
-def test_bars_hold_the_loads_and_the_stress_of_a_held_disc() -> None:
-    """Against the resolved flow. By half the gap alone, twice, the bar of N_1 is two thirds of its error."""
-    held = [{"name": "a", "radius": 1.0, "position": [2.0, 1.004], "angular_velocity": 0.5}]
-    held[0]["velocity"] = [0.3, -1.0]
-    data = {"name": "laws", "domain": CHANNEL, "bodies": held, "fluid": {"viscosity": 2.0}}
-    found = solve_with_errors(parse_case(data | {"lubrication": {"below": 0.02}}))
-    wanted = solved(held, None, domain=CHANNEL)
-    bars, of_stress = found.errors, found.errors.stress
-    assert found.solution.bulk is not None
-    assert wanted.bulk is not None
-    assert of_stress is not None
-    off = abs(found.solution.bulk.normal_stress_difference - wanted.bulk.normal_stress_difference)
-    assert 0.1 * of_stress.normal_stress_difference < off < of_stress.normal_stress_difference
-    assert np.all(np.abs(found.solution.F - wanted.F) < bars.F)
-    assert np.all(np.abs(found.solution.bulk.stresslets - wanted.bulk.stresslets) < of_stress.stresslets)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("motion", [{"velocity": [-0.6, 0.0, -0.8]}, {"velocity": [0.8, 0.0, -0.6]}])
-def test_bars_hold_the_loads_of_unequal_spheres(motion: dict[str, Any]) -> None:
-    """0.02 apart in a box, on a coarse mesh, against resolved loads on a fine one: a quarter of each bar."""
-    held = {"velocity": [0.0] * 3, "angular_velocity": [0.0] * 3}
-    spheres = [
-        {"name": "a", "radius": 1.0, "position": [0.0, 0.0, 0.1]} | held,
-        {"name": "b", "radius": 0.6, "position": [1.62 * 0.6, 0.0, 0.1 + 1.62 * 0.8]} | held | motion,
-    ]
-    data = {
-        "name": "laws", "geometry": "spatial", "fluid": {"viscosity": 2.0}, "bodies": spheres,
-        "domain": {"lower": [-3.0, -2.5, -2.0], "upper": [3.0, 2.5, 4.0]},
-        "discretisation": LIGHT | {"cells_per_circle": 8, "growth": 1.0},
-    }  # fmt: skip
-    fine = {"degree": 3, "cells_per_circle": 18, "growth": 0.6}
-    wanted = solved(spheres, None, geometry="spatial", domain=data["domain"], discretisation=fine).F
-    found = solve_with_errors(parse_case(data | {"lubrication": {"below": 0.05}}))
-    off = np.abs(found.solution.F - wanted)
-    assert np.all(off < found.errors.F)
-    assert np.max(off / found.errors.F) > 0.05
-    assert found.errors.F.max() < 0.5 * np.abs(wanted).max()
-
-
-@pytest.mark.slow
-def test_nothing_jumps_where_a_lattice_takes_another_basis() -> None:
-    """At half a unit of strain on a mesh that is moved: measured 2e-10 in 2e-9 of strain.
-
-    A whole unit after time 0 the flow is that of then.
-    """
-    cell = {"shape": "cell", "vectors": [[3.6, 0, 0], [0, 3.6, 0], [0, 0, 3.6]], "shear": 1.0}
-    pair = [
-        {"name": "a", "radius": 1.0, "position": [0.3, 0.2, 0.1]},
-        {"name": "b", "radius": 0.9, "position": [0.3 + 1.93 * 0.6, 0.2, 0.1 + 1.93 * 0.8]},
-    ]
-    case = parse_case({
-        "name": "laws", "geometry": "spatial", "fluid": {"viscosity": 0.7}, "domain": cell, "bodies": pair,
-        "lubrication": {"below": 0.09}, "time": {"end": 2.0, "remesh": "when-needed"},
-        "discretisation": LIGHT | {"cells_per_circle": 8, "growth": 1.0},
-    })  # fmt: skip
-    q, container = case.configuration(), case.container()
-    moved = StokesModel(case)
-    before, after = (moved(q, 0.5 + off) for off in (-1e-9, 1e-9))
-    assert np.abs(container.at(0.5 + 1e-9).periods - container.at(0.5 - 1e-9).periods).max() > 3.0
-    start, later = (StokesModel(case)(q, t) for t in (0.0, 1.0))
-    for one, other in ((before, after), (start, later)):
-        assert_allclose(other.U, one.U, atol=1e-8)
-        assert one.bulk is not None
-        assert other.bulk is not None
-        assert_allclose(other.bulk.mean, one.bulk.mean, atol=1e-8)
-        assert_allclose(other.bulk.stresslets, one.bulk.stresslets, atol=1e-7)
-
-
-@pytest.mark.parametrize("gap", [0.02, 0.005, 0.001])
-def test_bars_hold_where_gaps_shut_fluid_in(gap: float) -> None:
-    """In the corner of a box, where a disc has 0.38 to 0.001 of its force; bars were 300 times too short."""
-    box = {"lower": [0.0, 0.0], "upper": [6.0, 6.0]}
-    held = [{"name": "a", "radius": 1.0, "position": [1.0 + gap] * 2, "angular_velocity": 0.2}]
-    held[0]["velocity"] = [0.3, 0.5]
-    data = {"name": "laws", "domain": box, "bodies": held, "fluid": {"viscosity": 2.0}}
-    found = solve_with_errors(parse_case(data | {"lubrication": {"below": 0.03}}))
-    off = np.abs(found.solution.F - solved(held, None, domain=box).F)
-    assert np.all(off < found.errors.F)
-    assert np.max(off / found.errors.F) > 0.2
 
 
 def test_a_stresslet_is_shared_as_radii_are() -> None:

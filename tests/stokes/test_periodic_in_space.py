@@ -13,11 +13,10 @@ from numpy.testing import assert_allclose
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.stokes.model import StokesModel
-from fsi.stokes.solution import StokesSolution
 from tests.cubic_arrays import EXTENSION, LATTICES, SHEAR, Array, drag, viscosity
 from tests.ranks import json_on, needs_mpi
+from tests.stokes.spatial_flows import LIGHT, solved
 
-LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
 # Two spheres of unlike size in an oblique cell, one across its sides.
 OBLIQUE = {"shape": "cell", "vectors": [[4.0, 0.0, 0.0], [0.8, 4.0, 0.0], [0.3, 0.5, 3.8]]}
 TWO = [
@@ -33,10 +32,6 @@ def case(domain: dict[str, Any], bodies: list[dict[str, Any]], **discretisation:
             "bodies": bodies, "discretisation": LIGHT | discretisation,
         }
     )  # fmt: skip
-
-
-def solved(one: Case) -> StokesSolution:
-    return StokesModel(one)(one.configuration(), 0.0)
 
 
 def cubic(c: float, **flow: float) -> dict[str, Any]:

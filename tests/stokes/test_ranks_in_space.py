@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests.ranks import json_on, needs_mpi
-from tests.stokes.test_spatial import BOX, case
+from tests.stokes.spatial_flows import BOX, case
 
 # Two spheres at opposite ends of a long box.
 APART = BOX | {

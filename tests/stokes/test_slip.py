@@ -1,4 +1,4 @@
-"""Fluid that slides along bodies and walls, and bodies that swim."""
+"""Fluid that slides along bodies and walls."""
 
 from __future__ import annotations
 
@@ -18,40 +18,18 @@ from fsi.bodies.configuration import Array
 from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.sliding_film import sphere_resistance
 from fsi.meshes.resolution import Resolution
-from fsi.stokes.adapt import Solved, solve_with_errors
 from fsi.stokes.discretisation.forms import EQUISPACED
 from fsi.stokes.discretisation.slip import FACET, masses
 from fsi.stokes.problem import StokesProblem, SurfaceConditions
 from fsi.stokes.resistance import case_resistance
 from fsi.stokes.solve import solve
 from fsi.stokes.solvers.workspace import Workspace
-from fsi.stokes.swimming import tangential
 from tests.flows import SMALL_BOX, discs, held, mesh, resting
 from tests.ranks import json_on
+from tests.stokes.sliding_flows import COARSE, balanced, body, in_ball
 from tests.stokes.test_mpi import numbers
 
-COARSE = {"cells_per_circle": 24, "growth": 0.4}
 SLIPS = [(0.5, 0.0), (0.0, 0.4), (0.3, 0.7)]
-
-
-def body(centre: Any = (0.0, 0.0), **given: Any) -> dict[str, Any]:
-    return {"name": "body", "radius": 1.0, "position": centre, **given}
-
-
-def in_ball(geometry: str, c: float, *bodies: Any, R: float = 3.0, **sizes: Any) -> fsi.Case:
-    """Bodies in a round container with this slip length."""
-    domain = {"shape": "round", "radius": R, "walls": {"far": {"slip_length": c}} if c else {}}
-    return fsi.make_case(
-        name="round", geometry=geometry, fluid={"viscosity": 0.7}, domain=domain, bodies=bodies,
-        discretisation=sizes,
-    )  # fmt: skip
-
-
-def balanced(case: fsi.Case) -> Solved:
-    """The solution; every identity holds to 1e-10, the power of friction and of swimming among them."""
-    solved = solve_with_errors(case)
-    assert max(solved.solution.checks.values()) < 1e-10
-    return solved
 
 
 @pytest.mark.parametrize(("b", "c"), [*SLIPS, (1e-9, 0.0)])
@@ -74,29 +52,6 @@ def test_a_sphere_on_the_axis(b: float, c: float) -> None:
     reference = Concentric(1.0, 3.0, b, c, spheres=True).force(1.0, 0.0, 0.7)
     assert_allclose(solved.solution.F[0, 1], reference, rtol=1e-5)
     assert abs(solved.solution.F[0, 1] - reference) < solved.errors.F[0, 1]
-
-
-def test_a_swimmer_upside_down_on_the_axis_is_the_mirror_image() -> None:
-    """Off the centre of its ball, where the two speeds differ by 6 %; the angle was ignored."""
-    swimmer = {"surface_velocity": [1.0, 0.5]}
-    below, above = (
-        balanced(in_ball("axisymmetric", 0.0, body((0.0, z), angle=angle, **swimmer))).solution.U[0, 1]
-        for z, angle in ((-0.8, 0.0), (0.8, np.pi))
-    )
-    assert_allclose(above, -below, rtol=1e-6)
-
-
-@pytest.mark.parametrize(("b", "c"), [(0.0, 0.0), (0.3, 0.7)])
-@pytest.mark.parametrize("geometry", ["planar", "axisymmetric"])
-def test_a_free_swimmer(geometry: str, b: float, c: float) -> None:
-    """B_1 alone moves it, along its axis; within the bars."""
-    angle = {"angle": 0.5} if geometry == "planar" else {}
-    swimmer = body(surface_velocity=[1.0, -2.0, 0.5], slip_length=b, **angle)
-    solved = balanced(in_ball(geometry, c, swimmer))
-    axis = np.array([np.cos(0.5), np.sin(0.5), 0.0]) if angle else np.array([0.0, 1.0, 0.0])
-    exact = Concentric(1.0, 3.0, b, c, spheres=geometry != "planar").swimming(1.0) * axis
-    assert_allclose(solved.solution.U[0], exact, atol=1e-5)
-    assert np.all(np.abs(solved.solution.U[0] - exact)[:2] <= solved.errors.U[0, :2])
 
 
 def test_order() -> None:
@@ -202,16 +157,6 @@ def test_a_lid_that_slides_past_walls_is_not_singular() -> None:
     assert np.isfinite(balanced(case).solution.dissipation)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("b", "R"), [(0.05, 1.5), (0.5, 2.5), (1.0, 5.0)])
-def test_bars_in_space_hold(b: float, R: float) -> None:
-    """Of a swimmer with slip in a ball: 0.05, 0.8 and 1.06 of the largest difference to degree 2."""
-    swimmer = body((0.0, 0.0, 0.0), surface_velocity=[1.0, -2.0, 0.5], slip_length=b)
-    solved = balanced(in_ball("spatial", 0.7, swimmer, R=R))
-    U = Concentric(1.0, R, b, 0.7, spheres=True).swimming(1.0) * np.eye(6)[2]
-    assert np.all(np.abs(solved.solution.U[0] - U) < solved.errors.U[0])
-
-
 def test_units() -> None:
     """A slip length is a length, and the modes of a swimmer are velocities."""
     found = []
@@ -252,20 +197,6 @@ def test_masses_of_facets(d: int, degree: int) -> None:
     mass, normal = masses(x, degree, axisymmetric=False)
     assert_allclose(mass.sum(), 5.0 if d == 2 else np.sqrt(5.0))
     assert_allclose(normal.sum(axis=(0, 1, 2)), [4.0, -3.0] if d == 2 else [0.0, -1.0, 2.0], atol=1e-14)
-
-
-@pytest.mark.parametrize("d", [2, 3])
-def test_modes_of_swimmers(d: int) -> None:
-    """Tangential; B_1 and B_2 are sin and sin cos, in the plane sin n theta, about any axis."""
-    random = np.random.default_rng(0)
-    e, p = random.normal(size=(9, d)), random.normal(size=d)
-    e, p = e / np.linalg.norm(e, axis=1)[:, None], p / np.linalg.norm(p)
-    cos = e @ p
-    sin = np.sqrt(1.0 - cos**2)
-    for modes, speed in (([2.0], 2.0 * sin), ([0.0, 1.0], sin * cos * (2.0 if d == 2 else 1.0))):
-        w: Array = tangential(e, p, np.array(modes), planar=d == 2)
-        assert_allclose(np.sum(w * e, axis=1), 0.0, atol=1e-15)
-        assert_allclose(w @ p, -speed * sin, atol=1e-14)
 
 
 CASE = """

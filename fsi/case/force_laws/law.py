@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, SerializeAsAny
 from fsi.bodies.configuration import Array
 from fsi.bodies.forces import Bulk, ForceLaw
 from fsi.case.section import Registered, Registry
-from fsi.case.series import Table, value_at
+from fsi.case.series import Table, kinks, value_at
 from fsi.meshes.geometry.container import Container
 
 KINDS = '"gravity", "attraction" or "repulsion"'
@@ -28,6 +28,11 @@ class ForceSection(Registered, ForceLaw):
     def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]] | None:  # noqa: ARG002
         """What is heavy of each body, (N,), and its acceleration over time, (d,); None of no weight."""
         return None
+
+    def kinks(self, bulk: Bulk) -> set[float]:
+        """The times at which the weight of bodies has a kink."""
+        weight = self.weight(bulk)
+        return set() if weight is None else {time for part in weight[1] for time in kinks(part)}
 
     @override
     def on_bodies(self, bulk: Bulk, t: float) -> Array | float:

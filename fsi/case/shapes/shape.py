@@ -15,9 +15,10 @@ import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
 from fsi.case.section import Geometry, Registered, Registry, told
+from fsi.meshes.geometry.closed_curve import FEWEST
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.jets import ArcChain, JetOf
-from fsi.meshes.geometry.outline import FEWEST, Outline
+from fsi.meshes.geometry.outline import Outline
 
 if TYPE_CHECKING:
     from fsi.meshes.geometry.revolved import BodyOfRevolution

@@ -1,0 +1,88 @@
+"""What `import fsi` takes: arrays, numbers and paths of any kind, and what it refuses in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fsi
+from tests.one_disc import DISC, reduced
+
+ROOT = Path(__file__).parents[1]
+BOX = ROOT / "cases" / "disc_in_box.toml"
+
+
+def test_a_mistake_in_python_is_one_line_too() -> None:
+    with pytest.raises(fsi.InputError, match=r"reduced\.darg = 10\.0: unknown key; use reduced\.drag"):
+        reduced(reduced={"darg": 10.0})
+
+
+@pytest.mark.parametrize("case", ["case.toml", None, {"name": "disc"}])
+def test_what_is_no_case_is_refused(case: Any, tmp_path: Path) -> None:
+    words = rf"^case: is a {type(case).__name__}; give fsi\.load_case\(PATH\)"
+    out = tmp_path / "out"
+    for use in (fsi.solve, lambda it: fsi.run(it, out), lambda it: fsi.calibrate(it, out)):
+        with pytest.raises(fsi.InputError, match=words):
+            use(case)
+    assert not out.exists()
+
+
+def test_a_calibration_without_processes_writes_nothing(tmp_path: Path) -> None:
+    case = fsi.load_case(ROOT / "cases" / "calibration" / "disc_wall.toml")
+    with pytest.raises(fsi.InputError, match=r"^processes = 0: give at least 1$"):
+        fsi.calibrate(case, tmp_path / "out", 0)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_case_takes_arrays_and_numbers_of_numpy() -> None:
+    body = DISC | {"radius": np.int64(1), "position": np.array([0, 2]), "force": (np.float32(0), -1.0)}
+    assert reduced(bodies=[body]) == reduced()
+    assert reduced(bodies=np.array([body], dtype=object)) == reduced()
+    with pytest.raises(fsi.InputError, match=r"^bodies\.0\.position\.0 = \[0\.0, 2\.0\]: must be a"):
+        reduced(bodies=[DISC | {"position": np.array([[0.0, 2.0]])}])
+
+
+def test_a_case_takes_paths_for_files(tmp_path: Path) -> None:
+    """It said that the mesh must be a text."""
+    mesh = tmp_path / "own.msh"
+    domain = {"lower": [-3.0, 0.0], "upper": [3.0, 6.0], "mesh": mesh}
+    with pytest.raises(fsi.InputError, match=r"^domain\.mesh = .*: no such file"):
+        reduced(domain=domain, model="resolved")
+    mesh.touch()
+    assert reduced(domain=domain, model="resolved").domain.mesh == str(mesh)
+
+
+API: Any = fsi  # as those use it who check no types
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda _: API.load_case(None), "path: is a NoneType"),
+        (lambda _: API.load_case(3), "path: is a int"),
+        (lambda _: API.load_case(b"x"), "path: is a bytes"),
+        (lambda _: API.load_case(BOX, None), "overrides = None"),
+        (lambda _: API.open_run(None), "run: is a NoneType"),
+        (lambda _: API.resume(None), "folder: is a NoneType"),
+        (lambda case: API.run(case, None), "folder: is a NoneType"),
+        (lambda case: API.run(case, "out", 3), "callback: is a int"),
+        (lambda case: API.solve(case).write(None), "folder: is a NoneType"),
+        (lambda _: API.load_case("a\0b"), r"path = 'a\\x00b': has a zero byte"),
+        (lambda _: API.resume("a\0b"), r"folder = 'a\\x00b': has a zero byte"),
+        (lambda case: API.run(case, "a\0b"), r"folder = 'a\\x00b': has a zero byte"),
+        (lambda case: API.solve(case).write("a\0b"), r"folder = 'a\\x00b': has a zero byte"),
+        (lambda case: API.calibrate(case, "out", "2"), "processes: is a str"),
+        (lambda case: API.calibrate(case, "out", 1.5), "processes: is a float"),
+    ],
+)
+def test_what_is_no_argument_is_refused_in_one_line(
+    ask: Callable[[fsi.Case], object], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(fsi.InputError, match=rf"^{words}[;:] give .+$"):
+        ask(reduced())
+    assert not list(tmp_path.iterdir())
