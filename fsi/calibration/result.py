@@ -7,8 +7,8 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair
-from fsi.calibration.sampling import Sample, Samples, as_arrays
-from fsi.case.law_file import LawFile, SeriesSection, TableSection
+from fsi.calibration.samples import Sample, Samples, as_arrays
+from fsi.case.law_file import LawFile, SeriesSection, TableSection, not_falling
 from fsi.errors import SolveError
 from fsi.lubrication.expansions import EXPONENTS, LawShape, basis, coefficients
 from fsi.lubrication.fitting import CONFIDENCE, Fit, fit_series
@@ -119,7 +119,10 @@ class CalibrationResult:
 
 
 def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
-    """The law that a case (file `case`) asks for. Raises SolveError: samples do not decrease with the gap."""
+    """The law that a case (file `case`) asks for.
+
+    Raises SolveError: samples, or the series through them, do not decrease with the gap.
+    """
     fitted, a = as_arrays(samples, held_out=False), pair.reduced_radius
     unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
     s, K, bars = fitted.d / a, fitted.kappa / unit, fitted.bars / unit
@@ -145,6 +148,10 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
         coefficients=tuple(fit.coefficients.tolist()),
         covariance=tuple(map(tuple, fit.covariance.tolist())),
     )
+    if wrong := not_falling(series.profile(fit.range)):
+        raise SolveError(
+            f'the fitted series {wrong}; give more calibration.samples, or calibration.form = "table"'
+        )
     law = LawFile(**common, range=fit.range, series=series)
     values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
     compared = [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]

@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from importlib import metadata
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair, pair_of
+from fsi.calibration.samples import Sample, keep_sample, read_sample
 from fsi.case.load import parse_case
-from fsi.errors import FsiError, InputError, SolveError
+from fsi.errors import FsiError, SolveError
 from fsi.files import json_of, replace
 from fsi.integration.errors import ErrorEstimate
 from fsi.machine.ranks import forget
@@ -34,54 +34,6 @@ DIGITS = 8  # of a gap over a radius
 _PACKAGE, _SOURCES = Path(__file__).parents[1], (".py", ".c", ".h")
 # What computes a sample besides its case.
 _SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py", "numba")
-
-
-@dataclass(frozen=True, slots=True)
-class Sample:
-    """A resolved resistance.
-
-    Attributes:
-        gap: d.
-        held_out: whether it tests the law instead of making it.
-        kappa: F/U.
-        mesh_error: bound of what mesh and elements do.
-        truncation: change of kappa in a container of half the radius, 0 without one.
-        dofs: unknowns.
-        defect: worst of the identities.
-        seconds: CPU seconds for all of it.
-        mesh_instead: whether the sizes of the case gave no valid mesh, so that others were taken.
-    """
-
-    gap: float
-    held_out: bool
-    kappa: float
-    mesh_error: float
-    truncation: float
-    dofs: int
-    defect: float
-    seconds: float
-    mesh_instead: bool = False
-
-    @property
-    def error(self) -> float:
-        """The error bar of kappa."""
-        return self.mesh_error + self.truncation
-
-
-@dataclass(frozen=True, slots=True)
-class Samples:
-    """Samples as arrays: gaps d, resistances kappa and their bars, increasing in d, shapes (n,)."""
-
-    d: Array
-    kappa: Array
-    bars: Array
-
-
-def as_arrays(samples: list[Sample], *, held_out: bool) -> Samples:
-    """Those samples that make the law, or those that test it."""
-    chosen = sorted((one for one in samples if one.held_out is held_out), key=lambda one: one.gap)
-    columns = [[getattr(one, name) for one in chosen] for name in ("gap", "kappa", "error")]
-    return Samples(*(np.array(column, dtype=float) for column in columns))
 
 
 def planned_gaps(pair: Pair) -> list[tuple[float, bool]]:
@@ -104,27 +56,6 @@ def key_of(pair: Pair, gap: float) -> str:
     case = pair.at(gap).model_dump(mode="json", exclude={"name"})
     content = {"case": case, "pair": pair.plan.pair, "mode": pair.plan.mode, "code": _code()}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:32]
-
-
-def read_sample(cache: Path, key: str, *, held_out: bool) -> Sample | None:
-    """A sample that has been computed before, or None. Raises InputError where its file is damaged."""
-    if not (path := cache / f"{key}.json").exists():
-        return None
-    remedy = "remove it, and it is computed again"
-    data = json_of(path, remedy)
-    names = {field.name for field in fields(Sample)}
-    if not (
-        isinstance(data, dict)
-        and set(data) == names
-        and all(isinstance(x, int | float) for x in data.values())
-    ):
-        raise InputError(f"{path}: is damaged, it is no sample; {remedy}")
-    return Sample(**(data | {"held_out": held_out}))
-
-
-def keep_sample(cache: Path, key: str, sample: Sample) -> None:
-    """Put a sample into the cache."""
-    replace(cache / f"{key}.json", json.dumps(asdict(sample)).encode())
 
 
 def _code() -> str:
@@ -189,7 +120,7 @@ def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:
 
 def _cached(tasks: list[Task], cache: Path) -> dict[str, Sample]:
     cache.mkdir(parents=True, exist_ok=True)
-    samples = {key: read_sample(cache, key, held_out=held_out) for _, held_out, key in tasks}
+    samples = {key: read_sample(cache, key, gap, held_out=held_out) for gap, held_out, key in tasks}
     return {key: sample for key, sample in samples.items() if sample is not None}
 
 
@@ -227,9 +158,9 @@ def _handed_out(pair: Pair, tasks: list[Task], cache: Path, cluster: Pool) -> It
             replace(folder / REQUEST, json.dumps({"case": case, "task": task}).encode())
             asked[folder] = task
         for folder, failure in outcomes(pool, COMMAND, list(asked)):
-            _, held_out, key = asked[folder]
+            gap, held_out, key = asked[folder]
             shutil.rmtree(folder)
-            yield key, None if failure else read_sample(cache, key, held_out=held_out), failure
+            yield key, None if failure else read_sample(cache, key, gap, held_out=held_out), failure
 
 
 def compute_sample(folder: Path) -> None:

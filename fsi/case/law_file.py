@@ -5,7 +5,7 @@
     mode = "squeeze"
     ratio = 1.0                # b/a; left out beside a plane
     viscosity = 1.0
-    range = [2e-4, 2.0]        # of s
+    range = [2e-4, 2.0]        # of s; there the sum is positive and falls
     [series]
     powers = [-1.0, 0.0, 0.0]
     logs = [false, true, false]
@@ -13,7 +13,7 @@
     covariance = [[...], ...]  # of the coefficients
     [source]                   # free: case, samples, chi2, versions ...
 
-The other forms are "table" (section [table] with s and K), and without section and range each law that has a
+The other forms have no range: "table" (section [table] with s and K), and without section each law that has a
 name (`fsi.lubrication.named_laws`): "exact", "leading", or "slides", which is viscosity/d.
 """
 
@@ -21,11 +21,11 @@ from __future__ import annotations
 
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 import tomli_w
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from fsi.bodies.configuration import Array
@@ -40,6 +40,8 @@ from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
 
 # Forms that have a section of their own.
 _SAMPLED = ("series", "table")
+# Where a series is looked at: so many gaps, the smallest over the largest, and rounding of what is flat.
+_POINTS, _NARROWEST, _ROUNDING = 1000, 1e-12, 1e-12
 
 
 class SeriesSection(Section):
@@ -69,17 +71,9 @@ class SeriesSection(Section):
         """phi_k."""
         return tuple(Term(power, log) for power, log in zip(self.powers, self.logs, strict=True))
 
-    def profile(self, range_of_s: tuple[float, float], reach: float) -> Profile:
-        """K(s), for s up to `reach`. Raises ValueError: that is beyond the range, where it does not fall."""
-        series = Series(self.terms, self.coefficients, range_of_s)
-        if reach > range_of_s[1]:
-            K, power = series.end
-            if not (K > 0.0 and power < 0.0):
-                raise ValueError(
-                    f"its series is {K:.4g} at s = {range_of_s[1]:g}, where its range ends, and goes as "
-                    f"s^{power:.3g}; beyond it only a positive one that falls goes on"
-                )
-        return series
+    def profile(self, range_of_s: tuple[float, float]) -> Series:
+        """K(s)."""
+        return Series(self.terms, self.coefficients, range_of_s)
 
 
 class TableSection(Section):
@@ -121,9 +115,9 @@ class LawFile(Section):
     viscosity: Positive
     """the viscosity mu, a number > 0"""
     range: tuple[float, float] | None = None
-    """the smallest and largest d/a_r for which it holds"""
+    """the smallest and largest d/a_r for which a series holds"""
     series: SeriesSection | None = None
-    """a section [series]"""
+    """a section [series], of a resistance that is positive and decreases with the gap all over the range"""
     table: TableSection | None = None
     """a section [table]"""
     source: dict[str, Any] = Field(default={})
@@ -136,12 +130,29 @@ class LawFile(Section):
             raise PydanticCustomError("literal_error", "not one of the choices")
         return form
 
+    @field_validator("range")
+    @classmethod
+    def _of_series(
+        cls, given: tuple[float, float] | None, info: ValidationInfo
+    ) -> tuple[float, float] | None:
+        if given is not None and (form := info.data.get("form", "series")) != "series":
+            raise ValueError(f'the form "{form}" has a range of its own, drop the key')
+        return given
+
+    @field_validator("series")
+    @classmethod
+    def _falling(cls, series: SeriesSection | None, info: ValidationInfo) -> SeriesSection | None:
+        given = info.data.get("range")
+        if series is not None and _is_range(given) and (wrong := not_falling(series.profile(given))):
+            raise ValueError(wrong)
+        return series
+
     @model_validator(mode="after")
     def _complete(self) -> LawFile:
         for form in _SAMPLED:
             if (getattr(self, form) is not None) != (self.form == form):
                 raise ValueError(f'a law needs the section [{form}] if and only if its form is "{form}"')
-        if self.form == "series" and (self.range is None or not 0.0 <= self.range[0] < self.range[1]):
+        if self.form == "series" and not _is_range(self.range):
             raise ValueError("a series needs a range of s")
         if (self.shape, self.mode) not in EXPONENTS:
             raise ValueError(f'a law between "{self.shape}" is one of mode = "squeeze"')
@@ -152,23 +163,26 @@ class LawFile(Section):
         return self
 
     def law(
-        self, *, viscosity: float | None = None, extrapolate: bool = False, reach: float = 0.0
+        self, *, viscosity: float | None = None, extrapolate: bool = False, beyond_drag: bool = False
     ) -> LubricationLaw:
         """The law, linear in mu: at this viscosity, or its own; `extrapolate` beyond the range of gaps.
 
-        reach: the largest gap over a_r that will be asked for, if it is beyond the range.
+        beyond_drag: whether one that tends to the drag of lone spheres by its form leaves that out.
 
-        Raises ValueError: none is known of such a film, or none beyond the range.
+        Raises ValueError: none is known of such a film.
         """
         mu = self.viscosity if viscosity is None else viscosity
         if self.form in LAWS:
             assert self.shape != "shapes"  # by `_complete`
-            return LAWS[self.form].of(GapFilm(self.shape, mu, self.ratio or inf, extrapolate, self.mode))
-        return ScaledLaw(self._profile(reach), mu, EXPONENTS[self.shape, self.mode], extrapolate)
+            ratio = self.ratio or inf
+            return LAWS[self.form].of(
+                GapFilm(self.shape, mu, ratio, extrapolate, self.mode, beyond_drag=beyond_drag)
+            )
+        return ScaledLaw(self._profile(), mu, EXPONENTS[self.shape, self.mode], extrapolate)
 
-    def _profile(self, reach: float) -> Profile:
+    def _profile(self) -> Profile:
         if self.series is not None and self.range is not None:
-            return self.series.profile(self.range, reach)
+            return self.series.profile(self.range)
         assert self.table is not None  # by `_complete`
         return self.table.profile()
 
@@ -194,6 +208,23 @@ class LawFile(Section):
         width = band(self.series.terms, np.array(self.series.covariance), np.asarray(d) / radius)
         scaled: Array = self.viscosity * radius ** EXPONENTS[self.shape, self.mode] * width
         return scaled
+
+
+def _is_range(given: tuple[float, float] | None) -> TypeGuard[tuple[float, float]]:
+    return given is not None and 0.0 <= given[0] < given[1]
+
+
+def not_falling(series: Series) -> str | None:
+    """Where in its range a series is not positive, or rises with the gap: "rises at s = 0.3"."""
+    low, high = series.range
+    s = np.geomspace(max(low, high * _NARROWEST), high, _POINTS)
+    K = series.value(s)
+    wrong = ~(K > 0.0)
+    wrong[1:] |= np.diff(K) > _ROUNDING * np.abs(K[1:])
+    k = int(np.argmax(wrong))
+    if not wrong[k]:
+        return None
+    return f"rises at s = {s[k]:.4g}" if K[k] > 0.0 else f"is {K[k]:.4g} at s = {s[k]:.4g}"
 
 
 def read_law_file(path: Path) -> LawFile:

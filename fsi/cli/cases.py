@@ -76,6 +76,10 @@ def check(case_file: CaseFile, overrides: Overrides = None) -> None:
     check_expected(case)
     parallel.on_root(lambda: require_room_for_samples(case, runs))
     parallel.on_root(lambda: check_mesh_file(case))
+    if case.model == "reduced":
+        from fsi.reduced.gap_laws import require_laws
+
+        parallel.on_root(lambda: require_laws(case))
     if parallel.is_root():
         from fsi.report.case import print_case
 

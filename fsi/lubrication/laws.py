@@ -11,7 +11,7 @@ d, the `ln d` or `-2 d^(-1/2)` of the distance equation; its constant is the law
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Protocol
 
@@ -44,6 +44,9 @@ class LubricationLaw(Protocol):
     def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """An antiderivative of kappa in d, increasing. Raises RangeError."""
 
+    def at(self, overlap: Array) -> "LubricationLaw":
+        """The law of films of these k, (P,): itself unless it is one of any k."""
+
 
 class Profile(Protocol):
     """The dimensionless K(s) of one geometry."""
@@ -57,6 +60,9 @@ class Profile(Protocol):
 
     def integral(self, s: Array) -> Array:
         """An antiderivative of K in s."""
+
+    def at(self, overlap: Array) -> "Profile":
+        """That of films of these k = a b/(a + b)^2, (P,): itself unless it is one of any k."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +99,10 @@ class ScaledLaw:
         a, s = self._ratio(d, radius)
         return np.asarray(self.viscosity * a ** (self.exponent + 1) * self.profile.integral(s))
 
+    def at(self, overlap: Array) -> "ScaledLaw":
+        """With the profile of films of these k."""
+        return replace(self, profile=self.profile.at(overlap))
+
     def _ratio(self, d: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
         a = np.asarray(radius, dtype=np.float64)
         s = np.asarray(d, dtype=np.float64) / a
@@ -123,19 +133,23 @@ class CutLaw:
     def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """The law at d less the law at d_c where d < d_c, else 0."""
         near = np.minimum(d, self.cut)
-        rise = self.law.kappa(near, radius) - self.law.kappa(self.cut, _different(radius))
+        rise = self.law.kappa(near, radius) - self.law.kappa(self.cut, distinct(radius))
         return np.where(np.less(d, self.cut), rise, 0.0)  # powers of arrays and of numbers round differently
 
     def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """The integral of `kappa` from d_c to d, so 0 beyond d_c."""
-        near, different = np.minimum(d, self.cut), _different(radius)
-        constant = self.law.kappa(self.cut, different) * (near - self.cut)
-        integral = self.law.integral(near, radius) - self.law.integral(self.cut, different) - constant
+        near, of_law = np.minimum(d, self.cut), distinct(radius)
+        constant = self.law.kappa(self.cut, of_law) * (near - self.cut)
+        integral = self.law.integral(near, radius) - self.law.integral(self.cut, of_law) - constant
         return np.where(np.less(d, self.cut), integral, 0.0)
 
+    def at(self, overlap: Array) -> "CutLaw":
+        """That of films of these k, cut at the same gap."""
+        return replace(self, law=self.law.at(overlap))
 
-def _different(radius: ArrayLike) -> Array:
-    """The radii of films, (1,) if all are one: what depends on them alone is then the same for all."""
+
+def distinct(radius: ArrayLike) -> Array:
+    """Radii or k of films, (1,) if all are one: what depends on them alone is then the same for all."""
     a = np.asarray(radius, dtype=np.float64)
     return a[:1] if a.ndim == 1 and len(a) > 1 and np.all(a == a[0]) else a
 
@@ -207,6 +221,10 @@ class Series:
             integral = np.where(beyond, integral + _integral_of_power(s, inside, *self.end), integral)
         return integral
 
+    def at(self, _: Array) -> "Series":
+        """Itself."""
+        return self
+
     @property
     def end(self) -> tuple[float, float]:
         """K where the range ends, and the power of s that has its slope there; infinite if K = 0."""
@@ -228,11 +246,13 @@ class TabulatedProfile:
         s: increasing, > 0, shape (n,), n >= 2.
         K: positive, decreasing, (n,).
         smooth: whether ln K is a spline of degree 5, n >= 6, or else Fritsch and Carlson's monotone cubic.
+        limit: what K tends to far away, below all K; after the last point the power is that of K - limit.
     """
 
     s: Array
     K: Array
     smooth: bool = False
+    limit: float = 0.0
     _curve: "scipy.interpolate.PchipInterpolator" = field(init=False, repr=False)
     _slope: "scipy.interpolate.PchipInterpolator" = field(init=False, repr=False)
     _until: Array = field(init=False, repr=False)
@@ -255,11 +275,11 @@ class TabulatedProfile:
     def value(self, s: Array) -> Array:
         """K(s)."""
         inside = np.clip(s, *self.range)
-        x = np.log(inside)
-        value: Array = np.exp(self._curve(x))
+        value: Array = np.exp(self._curve(np.log(inside)))
         beyond = s != inside
         if np.any(beyond):
-            value = np.where(beyond, value * (s / inside) ** self._slope(x), value)
+            limit, rest, power = self._end(s, inside)
+            value = np.where(beyond, limit + rest * (s / inside) ** power, value)
         return value
 
     def integral(self, s: Array) -> Array:
@@ -270,13 +290,20 @@ class TabulatedProfile:
         integral: Array = self._until[k] + self._between(np.log(self.s)[k], x)
         beyond = s != inside
         if np.any(beyond):
-            tail = _integral_of_power(s, inside, np.exp(self._curve(x)), self._slope(x))
+            limit, rest, power = self._end(s, inside)
+            tail = limit * (s - inside) + _integral_of_power(s, inside, rest, power)
             integral = np.where(beyond, integral + tail, integral)
         return integral
 
-    def less(self, limit: float) -> "TabulatedProfile":
-        """K(s) less what it tends to far away, below all K; beyond the points a power of s once more."""
-        return TabulatedProfile(self.s, self.K - limit, self.smooth)
+    def at(self, _: Array) -> "TabulatedProfile":
+        """Itself."""
+        return self
+
+    def _end(self, s: Array, inside: Array) -> tuple[Array, Array, Array]:
+        """The limit towards which K goes from `inside` to s, K - limit there, and the power of that."""
+        x, limit = np.log(inside), np.where(s > inside, self.limit, 0.0)
+        K = np.exp(self._curve(x))
+        return limit, K - limit, K * self._slope(x) / (K - limit)
 
     def _between(self, start: Array, end: Array) -> Array:
         """The integral of K ds = K s d ln s between logarithms of one interval of the table."""

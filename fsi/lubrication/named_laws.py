@@ -7,20 +7,25 @@ between a pair and gives the law of its gap. The schema's choices, its help and 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from math import inf
+from math import inf, pi
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fsi.lubrication import exact, sphere_beside_plane, spheres, two_discs
-from fsi.lubrication.expansions import EXPONENTS, MODES, Mode, Shape, expansion, overlap_of
-from fsi.lubrication.laws import Array, LubricationLaw, ScaledLaw, Series, TabulatedProfile, Term
+from fsi.lubrication import sphere_beside_plane, spheres
+from fsi.lubrication.disc_profiles import disc_profile
+from fsi.lubrication.exact import gap_ratio
+from fsi.lubrication.expansions import EXPONENTS, MODES, Mode, Shape, expansion
+from fsi.lubrication.laws import Array, LubricationLaw, Profile, ScaledLaw, Series, TabulatedProfile, Term
 
 # A spline of degree 5 through so many points per factor of ten is good to 1e-9 (see the tests).
 _POINTS = 30
-_RANGE = (1e-9, 1e2)
-# The series of a sphere along or turning beside a plane has 1/sqrt(s) terms; at this gap it takes 0.05 s.
-_SMALLEST_SERIES = 1e-8
+# Of s. The series of a sphere along or turning beside a plane has 1/sqrt(s) terms; at 1e-8 it takes 0.05 s.
+_NEAREST: dict[Mode, float] = {"squeeze": 1e-9, "shear": 1e-8, "rotation": 1e-8}
+# Farther K - limit goes as 1/s to 1e-6 of itself, that of rotation as 1/s^3 and is 3e-10 of K.
+_FARTHEST: dict[Mode, float] = {"squeeze": 1e6, "shear": 1e6, "rotation": 1e3}
+# What K of spheres tends to: the drag of a lone one that moves, or turns.
+_LIMITS: dict[Mode, float] = {"squeeze": 6.0 * pi, "shear": 6.0 * pi, "rotation": 8.0 * pi}
 # Radii of a sphere: a round wall larger than that is flat for it, within 1 %.
 _LARGE = 100.0
 
@@ -35,6 +40,7 @@ class GapFilm:
         ratio: b/a of the radii of the pair; infinite beside a plane, -R/a inside a round wall.
         extrapolate: whether gaps outside the range of the law are allowed.
         mode: which relative motion of the pair.
+        beyond_drag: whether the drag of lone spheres, which an exact law of squeeze tends to, is left out.
     """
 
     shape: Shape
@@ -42,6 +48,7 @@ class GapFilm:
     ratio: float = inf
     extrapolate: bool = False
     mode: Mode = "squeeze"
+    beyond_drag: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,24 +60,31 @@ class NamedLaw:
         any_shape: whether it is the same for spheres and discs.
         any_ratio: whether it is the same for all ratios of the radii of two bodies, and for all walls.
         modes: for which it is known.
+        closed: shapes of which the law of one film is, by its `at`, that of films of any ratio.
     """
 
     of: Callable[[GapFilm], LubricationLaw]
     any_shape: bool
     any_ratio: bool
     modes: tuple[Mode, ...]
+    closed: tuple[Shape, ...] = ()
 
 
 LAWS: dict[str, NamedLaw] = {}
 
 
 def named[F: Callable[[GapFilm], LubricationLaw]](
-    name: str, *, any_shape: bool = False, any_ratio: bool = False, modes: tuple[Mode, ...] = ("squeeze",)
+    name: str,
+    *,
+    any_shape: bool = False,
+    any_ratio: bool = False,
+    modes: tuple[Mode, ...] = ("squeeze",),
+    closed: tuple[Shape, ...] = (),
 ) -> Callable[[F], F]:
     """Enter a law under a name."""
 
     def enter(law: F) -> F:
-        LAWS[name] = NamedLaw(law, any_shape, any_ratio, modes)
+        LAWS[name] = NamedLaw(law, any_shape, any_ratio, modes, closed)
         return law
 
     return enter
@@ -102,27 +116,34 @@ def leading_law(film: GapFilm) -> ScaledLaw:
     return ScaledLaw(profile, film.viscosity, EXPONENTS[film.shape, film.mode])
 
 
-@named("exact", modes=MODES)
+@named("exact", modes=MODES, closed=("discs",))
 def exact_law(film: GapFilm) -> ScaledLaw:
-    """The exact law from gaps of 1e-9 to 100 reduced radii, or as far as a round wall lets, within 1e-9.
+    """The exact law: of discs in closed form, of spheres within 1e-9 through a table of exact values.
 
     For spheres inside a round wall of more than 100 radii it is that of a plane, within 1 %.
 
-    Extrapolated, it goes on with the power of the gap of its ends: below, that is the leading term. The
-    logarithms of spheres that shear or turn beside a plane begin at 1e-8, and are 10 % too large at 1e-12.
+    The table is of gaps from 1e-9 to 1e6 reduced radii, of shear from 1e-8, of rotation from there to 1000.
+    Extrapolated, it goes on with a power of the gap: below, that is the leading term, and above it leads to
+    the drag of a lone sphere. The logarithms of shear and rotation are 10 % too large at 1e-12.
     """
-    flat = film.shape == "spheres" and film.ratio < -_LARGE
-    profile = _exact_profile(film.shape, film.mode, inf if flat else film.ratio)
+    profile: Profile
+    if film.shape == "discs":
+        profile = disc_profile(film.mode, film.ratio)
+    else:
+        ratio = inf if film.ratio < -_LARGE else film.ratio
+        profile = _table_of_spheres(film.mode, ratio, film.beyond_drag and film.mode == "squeeze")
     return ScaledLaw(profile, film.viscosity, EXPONENTS[film.shape, film.mode], film.extrapolate)
 
 
 @cache
-def _exact_profile(shape: Shape, mode: Mode, ratio: float) -> TabulatedProfile:
-    nearest = _RANGE[0] if shape == "discs" or mode == "squeeze" else _SMALLEST_SERIES
-    decades = round(np.log10(_RANGE[1] / nearest))
-    farthest = min(_RANGE[1], inf if ratio > 0.0 else -1.0 / overlap_of(ratio))  # where a body is concentric
-    s = np.geomspace(nearest, farthest, decades * _POINTS + 1)
-    return TabulatedProfile(s, exact_resistance(shape, mode, s, ratio), smooth=True)
+def _table_of_spheres(mode: Mode, ratio: float, beyond_limit: bool) -> TabulatedProfile:
+    decades, limit = round(np.log10(_FARTHEST[mode] / _NEAREST[mode])), _LIMITS[mode]
+    s = np.geomspace(_NEAREST[mode], _FARTHEST[mode], decades * _POINTS + 1)
+    # By parts, as all gaps that are summed together take as many terms as the smallest.
+    K = np.concatenate(
+        [exact_resistance("spheres", mode, part, ratio) for part in np.array_split(s, decades)]
+    )
+    return TabulatedProfile(s, K - limit if beyond_limit else K, True, 0.0 if beyond_limit else limit)
 
 
 def exact_resistance(shape: Shape, mode: Mode, gap: ArrayLike, ratio: float) -> Array:
@@ -131,25 +152,21 @@ def exact_resistance(shape: Shape, mode: Mode, gap: ArrayLike, ratio: float) -> 
     ratio: b/a, infinite for a plane, -R/a inside a round wall.
 
     Raises ValueError: shear or rotation of two spheres or inside a round wall, or a sphere inside a round
-    wall: no closed form here.
+    wall: no closed form here; or a gap is not positive.
     """
-    a = 1.0 if ratio == inf else 1.0 + 1.0 / ratio
-    b = inf if ratio == inf else 1.0 + ratio
-    if mode == "squeeze":
-        if shape == "discs":
-            return exact.relative_resistance(gap, a, b, 1.0)
-        if ratio < 0.0:
-            raise ValueError(f"none of a sphere is known here within a round wall of {-ratio:g} radii")
-        if ratio == inf:
-            return spheres.normal_resistance(gap, a, 1.0)
-        return spheres.relative_resistance(gap, a, b, 1.0)
+    if shape == "discs":
+        return disc_profile(mode, ratio).value(gap_ratio(gap, 1.0))
     if ratio < 0.0:
-        raise ValueError(f"no exact resistance to {mode} is known here within a round wall")
-    if ratio != inf:
-        if shape == "spheres":
-            raise ValueError(f"no exact resistance to {mode} of two spheres is known here")
-        pair = two_discs.sliding_resistance if mode == "shear" else two_discs.rolling_resistance
-        return pair(gap, a, b, 1.0)
-    module = exact if shape == "discs" else sphere_beside_plane
-    resistance = module.parallel_resistance if mode == "shear" else module.rotation_resistance
-    return np.asarray(resistance(gap, 1.0, 1.0))
+        raise ValueError(f"none of a sphere is known here within a round wall of {-ratio:g} radii")
+    if ratio == inf:
+        return np.asarray(_BESIDE_PLANE[mode](gap, 1.0, 1.0))
+    if mode != "squeeze":
+        raise ValueError(f"no exact resistance to {mode} of two spheres is known here")
+    return spheres.relative_resistance(gap, 1.0 + 1.0 / ratio, 1.0 + ratio, 1.0)
+
+
+_BESIDE_PLANE: dict[Mode, Callable[[ArrayLike, float, float], Array]] = {
+    "squeeze": spheres.normal_resistance,
+    "shear": sphere_beside_plane.parallel_resistance,
+    "rotation": sphere_beside_plane.rotation_resistance,
+}

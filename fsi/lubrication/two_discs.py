@@ -23,43 +23,67 @@ f and tau, with y = x/c:
     4 pi mu c rho =  (y M3 - M2) f + M3 tau/c                           M2 = sinh L sinh del
                                                                         M3 = sinh L cosh del - tanh L
 
-a symmetric, positive mobility. For equal discs del = y = 0: f = 4 pi mu s/(L + sinh L), and tau =
-4 pi mu c^2 rho/(sinh L - tanh L). At small gaps, a_r = a b/(a + b), the resistances are sqrt2 pi mu
-(a_r/D)^(1/2) and 4 sqrt2 pi mu a_r^2 (a_r/D)^(1/2), whatever a/b is: those of Reynolds' equation.
+a symmetric, positive mobility. With a_r = a b/(a + b), s = D/a_r, k = a b/(a + b)^2 and h = cosh L - 1 = s +
+k s^2/2 everything in it follows from L and k: y = sqrt(1 - 4k) tanh(L/2), c = a_r sinh L/(1 + k s), and
+
+    1/(mobility)   f/s = 4 pi mu / A,                       A = L + (1 + 4 k h) tanh L
+    1/(inverse)    tau/rho = 4 pi mu a_r^2 A / (tanh L ((1 - 2k) L + 2 k sinh L))
+
+in which all terms are positive. For equal discs k = 1/4: f = 4 pi mu s/(L + sinh L). At small gaps the
+resistances are sqrt2 pi mu (a_r/D)^(1/2) and 4 sqrt2 pi mu a_r^2 (a_r/D)^(1/2), whatever a/b is: those of
+Reynolds' equation. Relative error: a few 1e-16 for every gap and all radii.
 
 Source: derived here, in the coordinates of G. B. Jeffery, Proc. R. Soc. A 101 (1922) 169; the tests compare
-it with the resolved flow, with Reynolds' limit, and with the closed forms beside a plane.
+it with the mobility above, with the resolved flow, with Reynolds' limit, and with the closed forms beside a
+plane.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fsi.lubrication.exact import Array, gap_ratio
+from fsi.lubrication.exact import Array, bipolar_angle, gap_ratio
 
 
 def sliding_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, viscosity: ArrayLike) -> Array:
-    """f / s where surfaces slide past each other without a couple at x; arguments broadcast."""
-    slide, _, _, _ = _mobilities(gap, radius, other)
-    return np.asarray(4.0 * np.pi * np.asarray(viscosity) / slide)
+    """f / s where surfaces slide past each other without a couple at x; arguments broadcast.
+
+    Raises ValueError where the gap is not positive.
+    """
+    a_r, k = _reduced(radius, other)
+    return np.asarray(np.asarray(viscosity) * sliding(gap_ratio(gap, a_r), k))
 
 
 def rolling_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, viscosity: ArrayLike) -> Array:
-    """tau / rho where the surfaces roll on each other and do not slide, s = 0; arguments broadcast."""
-    slide, coupling, roll, c = _mobilities(gap, radius, other)
-    return np.asarray(4.0 * np.pi * np.asarray(viscosity) * c**2 / (roll - coupling**2 / slide))
+    """tau / rho where the surfaces roll on each other and do not slide, s = 0; arguments broadcast.
+
+    Raises ValueError where the gap is not positive.
+    """
+    a_r, k = _reduced(radius, other)
+    return np.asarray(np.asarray(viscosity) * a_r**2 * rolling(gap_ratio(gap, a_r), k))
 
 
-def _mobilities(gap: ArrayLike, radius: ArrayLike, other: ArrayLike) -> tuple[Array, Array, Array, Array]:
-    """The three of the equations above, and c; raises ValueError where the gap is not positive."""
+def sliding(s: Array, k: ArrayLike) -> Array:
+    """f / s over mu, of s and k."""
+    h, L = _angle(s, k)
+    return np.asarray(4.0 * np.pi / (L + (1.0 + 4.0 * np.asarray(k) * h) * np.tanh(L)))
+
+
+def rolling(s: Array, k: ArrayLike) -> Array:
+    """tau / rho over mu a_r^2, of s and k."""
+    h, L = _angle(s, k)
+    k, tanh = np.asarray(k), np.tanh(L)
+    A = L + (1.0 + 4.0 * k * h) * tanh
+    # sinh L = (1 + h) tanh L
+    return np.asarray(4.0 * np.pi * A / (tanh * ((1.0 - 2.0 * k) * L + 2.0 * k * (1.0 + h) * tanh)))
+
+
+def _angle(s: Array, k: ArrayLike) -> tuple[Array, Array]:
+    """h = cosh L - 1 and L."""
+    h: Array = s * (1.0 + 0.5 * np.asarray(k) * s)
+    return h, bipolar_angle(h)
+
+
+def _reduced(radius: ArrayLike, other: ArrayLike) -> tuple[Array, Array]:
+    """a_r and k of radii a and b."""
     a, b = np.asarray(radius, dtype=np.float64), np.asarray(other, dtype=np.float64)
-    D = gap_ratio(gap, a) * a
-    d = a + b + D
-    c = np.sqrt(D * (D + 2.0 * a + 2.0 * b) * (D + 2.0 * a) * (D + 2.0 * b)) / (2.0 * d)
-    al, be = np.arcsinh(c / a), np.arcsinh(c / b)
-    L, sinh = al + be, np.sinh(al + be)
-    # (b sqrt(c^2 + a^2) - a sqrt(c^2 + b^2)) / (a + b), the middle of the arms, without its cancellation
-    y = c * (b - a) / (b * np.hypot(c, a) + a * np.hypot(c, b))
-    cosh, M2 = np.cosh(al - be), sinh * np.sinh(al - be)
-    # sinh L (cosh del - 1 / cosh L), where 1 cancels
-    M3 = 2.0 * sinh * (np.sinh(0.5 * (al - be)) ** 2 + np.sinh(0.5 * L) ** 2 / np.cosh(L))
-    return L + sinh * cosh - 2.0 * y * M2 + y**2 * M3, y * M3 - M2, M3, c
+    return a * b / (a + b), a * b / (a + b) ** 2

@@ -10,9 +10,9 @@ it has beyond that, so that drag counts once. That of discs tends to zero.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from itertools import combinations_with_replacement, permutations
-from math import inf, pi
+from dataclasses import dataclass
+from itertools import permutations
+from math import inf
 from pathlib import Path
 from typing import Literal
 
@@ -23,20 +23,19 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.errors import InputError, SolveError
-from fsi.lubrication.expansions import Mode, Shape, overlap_of, ratio_of
-from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError, ScaledLaw, TabulatedProfile
+from fsi.lubrication.expansions import MODES, Mode, Shape, overlap_of, ratio_of
+from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError
 from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
-from fsi.reduced.enclosure import make_enclosure, overlap, wall_gaps
+from fsi.reduced.possible_films import beside_walls, between_bodies
 
 # Below this gap, in reduced radii, a law is continued by its leading term in the logarithm of the gap: exact
 # for kappa ~ 1/d, whose gaps underflow, and never reached with kappa ~ d^(-3/2).
 _SMALLEST = 1e-150
-# Up to so many different films have a law each; of more, laws at so many k are interpolated (see the tests).
-_NODES = 10
+# Up to so many different films have a law each; of more, laws at so many k are interpolated: of spheres good
+# to 1e-10 with radii up to ten times as large as others, to 1e-8 up to fifty times (see the tests).
+_NODES = 14
 # Of k: films whose law is the same; of a law's own k: films for which it may be used.
 _SAME, _ALIKE = 1e-12, 1e-6
-# Different radii in a case whose pairs are looked at one by one.
-_FEW = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +64,7 @@ class Films:
 
 @dataclass(frozen=True, slots=True)
 class FilmLaw:
-    """A law for films of any k: the polynomial in k through laws at some k; a single law is for all.
+    """A law for films of any k: the polynomial in sqrt(k) through laws at some k; a single law is for all.
 
     Attributes:
         laws: none where there can be no film.
@@ -86,7 +85,7 @@ class FilmLaw:
 
     def _each(self, method: Literal["kappa", "integral"], D: Array, radius: Array, overlap: Array) -> Array:
         if len(self.laws) == 1:
-            return np.asarray(getattr(self.laws[0], method)(D, radius))
+            return np.asarray(getattr(self.laws[0].at(overlap), method)(D, radius))
         total = np.zeros(len(D))
         for law, weight in zip(self.laws, self._weights(overlap), strict=True):
             here = np.flatnonzero(weight)
@@ -96,11 +95,12 @@ class FilmLaw:
 
     def _weights(self, overlap: Array) -> Array:
         """Lagrange's, (m, P); at the k of a law it alone has one."""
-        away = overlap - self.overlaps[:, None]
-        at_law = np.abs(away) <= _SAME
+        at_law = np.abs(overlap - self.overlaps[:, None]) <= _SAME
+        nodes = _root(self.overlaps)
+        away = _root(overlap) - nodes[:, None]
         weights = np.ones_like(away)
         for i, j in permutations(range(len(self.laws)), 2):
-            weights[i] *= away[j] / (self.overlaps[i] - self.overlaps[j])
+            weights[i] *= away[j] / (nodes[i] - nodes[j])
         return np.where(at_law.any(axis=0), at_law, weights)
 
 
@@ -140,23 +140,43 @@ class GapLaws:
         return values
 
 
+_KEYS: dict[Mode, str] = {"squeeze": "law", "shear": "shear_law", "rotation": "rotation_law"}
+
+
 def make_laws(case: Case) -> GapLaws:
     """The laws of squeeze that the section [reduced] asks for. Raises InputError: one is not for the case."""
-    return _laws(case, "squeeze", "law", case.reduced.law)
+    return _laws(case, "squeeze")
 
 
 def make_tangential_laws(case: Case) -> dict[Mode, GapLaws]:
     """Those of shear and rotation, as far as it asks for them. Raises InputError as `make_laws` does."""
-    asked: dict[Mode, str | None] = {"shear": case.reduced.shear_law, "rotation": case.reduced.rotation_law}
-    return {mode: _laws(case, mode, f"{mode}_law", name) for mode, name in asked.items() if name is not None}
+    return {mode: _laws(case, mode) for mode in _asked_modes(case) if mode != "squeeze"}
 
 
-def _laws(case: Case, mode: Mode, key: str, name: str) -> GapLaws:
-    wall_law: str | None = getattr(case.reduced, f"wall_{key}")
-    bodies = _Asked(case, mode, key, name, _between_bodies(case), key)
-    wall_key = key if wall_law is None else f"wall_{key}"
-    walls = _Asked(case, mode, wall_key, wall_law or name, _beside_walls(case), f"wall_{key}")
+def require_laws(case: Case) -> None:
+    """Raise InputError where there is no law of a name, or its file is not for the case; none is made."""
+    for mode in _asked_modes(case):
+        for asked in _asked(case, mode):
+            asked.require()
+
+
+def _asked_modes(case: Case) -> list[Mode]:
+    return [mode for mode in MODES if getattr(case.reduced, _KEYS[mode]) is not None]
+
+
+def _laws(case: Case, mode: Mode) -> GapLaws:
+    bodies, walls = _asked(case, mode)
     return GapLaws(bodies.law(0.25), walls.law(0.0))
+
+
+def _asked(case: Case, mode: Mode) -> "tuple[_Asked, _Asked]":
+    """Between bodies, and beside walls."""
+    key, wall_key = _KEYS[mode], f"wall_{_KEYS[mode]}"
+    name: str = getattr(case.reduced, key)
+    wall_name: str | None = getattr(case.reduced, wall_key)
+    bodies = _Asked(case, mode, key, name, between_bodies(case), key)
+    given = key if wall_name is None else wall_key
+    return bodies, _Asked(case, mode, given, wall_name or name, beside_walls(case), wall_key)
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,29 +196,47 @@ class _Asked:
     films: Mapping[float, str]
     own: str
 
+    def require(self) -> None:
+        """Raise InputError where the name is none of this mode and of no file for the case."""
+        if self.name in LAWS:
+            self._require_mode()
+        else:
+            self._of_file()
+
     def law(self, otherwise: float) -> FilmLaw:
         """The law; one of any ratio at k = otherwise. Raises InputError."""
         overlaps = _nodes(np.array(list(self.films) or [otherwise]))
         laws: list[LubricationLaw] = []
-        if self.name not in LAWS:
+        entry = LAWS.get(self.name)
+        if entry is None:
             laws = [self._of_file()]
         elif not self.films:  # none will be asked for, and there may be none of such films
             self._require_mode()
-        elif LAWS[self.name].any_ratio:
+        elif entry.any_ratio:
             laws = [self._named(otherwise)]
+        elif self._shape in entry.closed:
+            laws = [self._named(overlap) for overlap in self.films][:1]  # each, as some may be refused
         else:
             laws = [self._named(overlap) for overlap in overlaps.tolist()]
         cut = self.case.reduced.cutoff
         return FilmLaw(tuple(laws if cut is None else [CutLaw(law, cut) for law in laws]), overlaps, self.key)
 
+    @property
+    def _shape(self) -> Shape:
+        return "spheres" if self.case.spheres else "discs"
+
+    @property
+    def _has_drag(self) -> bool:
+        return self.case.spheres and self.case.drag != 0.0
+
     def _film(self, overlap: float) -> GapFilm:
-        shape: Shape = "spheres" if self.case.spheres else "discs"
-        return GapFilm(shape, self.case.fluid.viscosity, ratio_of(overlap), extrapolate=True, mode=self.mode)
+        mu, ratio = self.case.fluid.viscosity, ratio_of(overlap)
+        return GapFilm(self._shape, mu, ratio, extrapolate=True, mode=self.mode, beyond_drag=self._has_drag)
 
     def _named(self, overlap: float) -> LubricationLaw:
         self._require_mode()
         try:
-            return self._beyond_drag(self.name, LAWS[self.name].of(self._film(overlap)))
+            return LAWS[self.name].of(self._film(overlap))
         except ValueError as error:
             raise InputError(f'{self._here}: {error}; give reduced.{self.own} = "leading"') from None
 
@@ -216,11 +254,11 @@ class _Asked:
                 f"{self._here}: there is no such law; give {names_of_laws(self.mode)} or the path of a law "
                 "file"
             )
-        file, film = read_law_file(Path(self.name)), self._film(0.0)
-        if not file.suits(film.shape, self.mode):
+        file = read_law_file(Path(self.name))
+        if not file.suits(self._shape, self.mode):
             raise InputError(
                 f"{self._here}: a law of {file.mode} between {file.shape}; give one of {self.mode} between "
-                f"{film.shape}"
+                f"{self._shape}"
             )
         for k, between in self.films.items():
             if not file.any_ratio and abs(k - overlap_of(file.ratio or inf)) > _ALIKE:
@@ -228,30 +266,11 @@ class _Asked:
                     f"{self._here}: a law of {file.pair}, but the case has {between}; give "
                     f'reduced.{self.own} = "exact", or a law of such a film'
                 )
-        extrapolate = self.case.reduced.extrapolate
+        mu, extrapolate = self.case.fluid.viscosity, self.case.reduced.extrapolate
         try:
-            reach = self._reach if extrapolate else 0.0
-            law = file.law(viscosity=film.viscosity, extrapolate=extrapolate, reach=reach)
+            return file.law(viscosity=mu, extrapolate=extrapolate, beyond_drag=self._has_drag)
         except ValueError as error:
-            remedy = "drop reduced.extrapolate, or give a reduced.cutoff within its range"
-            raise InputError(f"{self._here}: {error}; {remedy}") from None
-        return self._beyond_drag(file.form, law)
-
-    def _beyond_drag(self, form: str, law: LubricationLaw) -> LubricationLaw:
-        """The exact squeeze of spheres that have drag less what it tends to, which that is; else the law."""
-        has_drag = self.case.spheres and self.case.drag != 0.0
-        if (form, self.mode) != ("exact", "squeeze") or not has_drag:
-            return law
-        assert isinstance(law, ScaledLaw)
-        assert isinstance(law.profile, TabulatedProfile)  # as exact laws are
-        return replace(law, profile=law.profile.less(6.0 * pi))
-
-    @property
-    def _reach(self) -> float:
-        """At least the largest gap over a_r at which the law is asked for: a_r >= a/2, beside walls a."""
-        cutoff, radii = self.case.reduced.cutoff, self.case.configuration().radii
-        part = 2.0 if max(self.films, default=0.25) > 0.0 else 1.0
-        return inf if cutoff is None else part * cutoff / float(radii.min())
+            raise InputError(f'{self._here}: {error}; give "leading"') from None
 
     @property
     def _here(self) -> str:
@@ -259,40 +278,16 @@ class _Asked:
 
 
 def _nodes(overlaps: Array) -> Array:
-    """These k, each once; of many Chebyshev's between the least and the greatest."""
-    low, high = overlaps.min(), overlaps.max()
+    """These k, each once; of many the squares of Chebyshev's between the least and the greatest root."""
     each = np.sort(overlaps)
     each = each[np.diff(each, prepend=-np.inf) > _SAME]
     if len(each) <= _NODES:
         return each
-    return np.asarray(0.5 * (low + high) + 0.5 * (high - low) * np.polynomial.chebyshev.chebpts1(_NODES))
+    low, high = _root(each[[0, -1]])
+    roots = 0.5 * (low + high) + 0.5 * (high - low) * np.polynomial.chebyshev.chebpts1(_NODES)
+    return np.asarray(roots * np.abs(roots))
 
 
-def _between_bodies(case: Case) -> dict[float, str]:
-    """k of all pairs that bodies and images can form; of very many radii some, the extremes among them."""
-    radii = case.configuration().radii
-    a, first, count = np.unique(radii, return_index=True, return_counts=True)
-    if len(a) > _FEW:
-        some = np.linspace(0, len(a) - 1, _FEW).round().astype(int)
-        a, first, count = a[some], first[some], count[some]
-    alone = count + len(case.container().periods) < 2
-    found = {}
-    for i, j in combinations_with_replacement(range(len(a)), 2):
-        if i != j or not alone[i]:
-            names = f"{case.names[first[i]]!r} and {'its like' if i == j else repr(case.names[first[j]])}"
-            reduced = a[i] * a[j] / (a[i] + a[j])
-            found[float(overlap(reduced, a[i]))] = f"bodies {names} of radii {a[i]:g} and {a[j]:g}"
-    return found
-
-
-def _beside_walls(case: Case) -> dict[float, str]:
-    """k of all films beside solid walls."""
-    q, around = case.configuration(), make_enclosure(case, 0.0)
-    walls = wall_gaps(around.container, q.centres, q.radii)
-    found = {}
-    for w in np.flatnonzero(walls.lubricates & around.solid):
-        name = around.container.walls[w]
-        shape = "a plane wall" if around.container.spheres[w] is None else "a round wall"
-        for k in np.unique(overlap(walls.radius[:, w], q.radii)).tolist():
-            found[float(k)] = f"{shape}, {name!r}"
-    return found
+def _root(overlap: Array) -> Array:
+    """sqrt(k), in which laws of narrow and of wide films are alike smooth; negative inside a round wall."""
+    return np.copysign(np.sqrt(np.abs(overlap)), overlap)

@@ -18,17 +18,8 @@ import fsi.calibration.sampling
 from fsi.calibration.calibrate import calibrate_case, summary
 from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.result import HeldOut, fit_law
-from fsi.calibration.sampling import (
-    Sample,
-    Samples,
-    Sampling,
-    as_arrays,
-    keep_sample,
-    key_of,
-    planned_gaps,
-    read_sample,
-    take_samples,
-)
+from fsi.calibration.samples import Sample, Samples, as_arrays, keep_sample, read_sample
+from fsi.calibration.sampling import Sampling, key_of, planned_gaps, take_samples
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
@@ -139,7 +130,7 @@ def test_other_sources_are_another_sample(file: str, monkeypatch: pytest.MonkeyP
 def test_a_sample_that_was_held_out_may_make_a_law_later(tmp_path: Path) -> None:
     """The cache knows the resistance; whether it tests a law is the case's to say, each time."""
     keep_sample(tmp_path, "key", Sample(0.1, True, 5.0, 1e-3, 2e-4, 100, 1e-12, 0.1))
-    again = read_sample(tmp_path, "key", held_out=False)
+    again = read_sample(tmp_path, "key", 0.1, held_out=False)
     assert again is not None
     assert (again.held_out, again.kappa) == (False, 5.0)
 
@@ -263,6 +254,17 @@ def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa
     assert len(data["samples"]) == 10
     assert found.law.source["case"] == "disc.toml"
     calibrate_case(case, "disc.toml", out, Sampling(tmp_path / "cache", 1, silent))  # replaces its own folder
+
+
+def test_a_series_that_rises_is_no_law() -> None:
+    """Through stairs that fall; a case would refuse the file."""
+    pair, stairs = pair_of(small_case()), iter([10.0, 9.999, 9.998, 5.0, 4.999, 4.998, 1.0, 0.999])
+    gaps = [gap for gap, held_out in planned_gaps(pair) if not held_out]
+    samples = [Sample(gap, False, next(stairs), 1e-9, 0.0, 1000, 1e-12, 0.1) for gap in gaps]
+    with pytest.raises(
+        SolveError, match=r'series rises at s = 0\.00\d+; give .* calibration\.form = "table"'
+    ):
+        fit_law(pair, samples, "disc.toml")
 
 
 def test_samples_of_meshes_made_again_are_told(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001

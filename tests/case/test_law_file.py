@@ -89,9 +89,12 @@ def test_short_forms(tmp_path: Path, ratio: float | None) -> None:
         ("viscosity = 0.5", "viscosity = 0.0", r"viscosity = 0\.0: .*greater than 0; give the viscosity mu"),
         ("viscosity = 0.5", "viscositty = 0.5", "viscositty = 0.5: unknown key; use viscosity"),
         ("[series]", "[serious]", "serious = .* unknown key; use series"),
-        ('form = "series"', 'form = "table"', r"needs the section \[series\] if and only if"),
         ("logs = [", "logs = [ true,", r"has 2 powers, but not as many logs"),
         ("    0.0001,\n    1.0,\n", "    1.0,\n    0.0001,\n", "a series needs a range of s"),
+        # 6 pi/s + 3.7 ln(1/s) with other numbers: negative, rising from s = pi/5 on, and 0 at 1
+        (f"    {6.0 * pi},", "    -1.0,", r"series = .*: is -\S+ at s = 0\.0001; give a section \[series\]"),
+        ("    3.7,", "    -30.0,", r"series = .*: rises at s = 0\.63\d*; give .* decreases with the gap"),
+        (f"    {6.0 * pi},", "    0.0,", r"series = .*: is 0 at s = 1; give"),
         ("form", "form = ", "not TOML: "),
     ],
 )
@@ -112,6 +115,25 @@ def test_a_table_must_decrease(tmp_path: Path) -> None:
     path.write_text(tomli_w.dumps(data))
     with pytest.raises(InputError, match="is not a positive resistance that decreases with the gap"):
         read_law_file(path).law()
+
+
+@pytest.mark.parametrize("form", ["table", "exact"])
+def test_only_a_series_has_a_range(form: str, tmp_path: Path) -> None:
+    """It would be left aside: a table holds from its first point to its last."""
+    table = {"table": {"s": [1e-3, 1e-2], "K": [2.0, 1.0]}} if form == "table" else {}
+    path = tmp_path / "law.toml"
+    path.write_text(tomli_w.dumps({"form": form, "viscosity": 1.0, "range": [1e-3, 5e-3], **table}))
+    refusal = rf'range = \[0\.001, 0\.005\]: the form "{form}" has a range of its own, drop the key'
+    with pytest.raises(InputError, match=refusal):
+        read_law_file(path)
+
+
+@pytest.mark.parametrize(("form", "left_out"), [("table", {"range"}), ("series", {"series"})])
+def test_a_form_has_its_section(form: str, left_out: set[str], tmp_path: Path) -> None:
+    data = SERIES.model_dump(exclude_none=True, exclude=left_out) | {"form": form}
+    (tmp_path / "law.toml").write_text(tomli_w.dumps(data))
+    with pytest.raises(InputError, match=r"needs the section \[series\] if and only if its form is"):
+        read_law_file(tmp_path / "law.toml")
 
 
 def test_no_such_file(tmp_path: Path) -> None:

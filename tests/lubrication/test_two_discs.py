@@ -54,6 +54,21 @@ def test_the_limit_of_small_gaps_is_that_of_reynolds() -> None:
         assert_allclose(two_discs.rolling_resistance(s * a_r, a, b, 1.0), a_r**2 * scale * roll, rtol=1e-7)
 
 
+@given(gap=lengths, a=lengths, b=lengths)
+def test_the_closed_forms_are_those_of_the_mobility(gap: float, a: float, b: float) -> None:
+    """M1, M2, M3 of the module's docstring and their inverse, as they stand; they cancel to 1e-9."""
+    d, sinh, cosh, tanh = a + b + gap, np.sinh, np.cosh, np.tanh
+    c = np.sqrt(gap * (gap + 2.0 * a + 2.0 * b) * (gap + 2.0 * a) * (gap + 2.0 * b)) / (2.0 * d)
+    al, be = np.arcsinh(c / a), np.arcsinh(c / b)
+    L, y = al + be, (b * np.hypot(c, a) - a * np.hypot(c, b)) / ((a + b) * c)
+    M2 = sinh(L) * sinh(al - be)
+    M1, M3 = L + sinh(L) * cosh(al - be), sinh(L) * cosh(al - be) - tanh(L)
+    mobility = np.array([[M1 - 2.0 * y * M2 + y**2 * M3, y * M3 - M2], [y * M3 - M2, M3]])
+    rolling = 4.0 * np.pi * c**2 * np.linalg.inv(mobility)[1, 1]
+    assert_allclose(two_discs.sliding_resistance(gap, a, b, 1.0), 4.0 * np.pi / mobility[0, 0], rtol=1e-7)
+    assert_allclose(two_discs.rolling_resistance(gap, a, b, 1.0), rolling, rtol=1e-7)
+
+
 def test_a_large_disc_is_a_plane() -> None:
     """Without load at the point of contact V and omega add, and the other way round: 1/k = 1/A + a^2/C."""
     gap, a = np.geomspace(1e-4, 3.0, 9), 0.7

@@ -90,8 +90,8 @@ def test_a_sphere_at_the_cutoff_feels_its_drag_and_a_turning_one_its_own() -> No
 def test_the_drag_of_a_sphere_counts_once(gap: float, law: str, tmp_path: Path) -> None:
     """By default, without a cutoff, a sphere settles as H. Brenner has it, Chem. Eng. Sci. 16 (1961) 242.
 
-    With 6 pi mu a in drag and law it had half the speed far away. Beyond 100 radii it is a power of the gap,
-    whose error was measured 2e-6.
+    With 6 pi mu a in drag and law it had half the speed far away. Beyond 1e6 radii the rest of it is a
+    power of the gap.
     """
     path = tmp_path / "law.toml"
     path.write_text('form = "exact"\nviscosity = 7.0')
