@@ -17,6 +17,7 @@ from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.narrow import Ties, functions_of, narrow_necks, ties_of
 from fsi.pores.orders import KNOTS, RIGID, STRAINED, TIED, Orders, numbers_of
 from fsi.pores.pattern import Index, add_forms, pattern_of
+from fsi.pores.pore_data import gathering
 from fsi.pores.quadrature import Rule
 from fsi.pores.regions import PoreShapes
 from fsi.pores.shape import flat_ones
@@ -26,9 +27,9 @@ from fsi.pores.topology import Pores
 # Values of all functions at all points of the pores of a batch, of each derivative: some 100 MB of six.
 _NUMBERS = 2_000_000
 _DILUTE = 1e-3  # area fraction of bodies below which what points miss would show beside what bodies do
-# Polynomials between feet where psi is free, for each order of fluid discs, and the most there are; of how
-# many modes they take the points at least: with too few points a lower bound comes out too high.
-_FREE, _MOST, _FINE = 3, 20, 12
+# Where psi is free: polynomials between feet, ten for so much of T, by which points gather, at both ends; and
+# of how many modes bubbles and points are at least.
+_FREE, _MOST, _GATHERED, _FINE = 20, 40, 3.0, 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,26 +187,30 @@ def _parts(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[P
     flat = flat_ones(pores.surfaces.shapes(), pores.vertices, shapes.centre)
     if pores.surfaces.fraction < _DILUTE:
         flat[:] = True
-    free, narrow = pores.surfaces.free[pores.vertices], numbering.narrow[pores.sides] & (pores.sides >= 0)
+    T = gathering(shapes)
+    polynomials = np.clip(10 * np.ceil((T.sum(axis=1) - T.min(axis=1)) / _GATHERED), _FREE, _MOST)
+    free = pores.surfaces.free[pores.vertices] * polynomials[:, None].astype(int)
+    narrow = numbering.narrow[pores.sides] & (pores.sides >= 0)
     corner = (pores.sides < 0) & pores.surfaces.hollow
     kinds = np.column_stack([modes, numbering.order[pores.vertices], free, narrow, corner, flat])
     for kind in np.unique(kinds, axis=0):
         of_sides, of_vertices, are_free, are_narrow, are_corners, (is_flat,) = np.split(kind, range(3, 18, 3))
         level = LEVELS[level_of(int(of_sides.max()))]
-        points = LEVELS[level_of(max(level.modes, _FINE))] if are_free.any() else level
-        rule = points.finer_rule if is_flat else points.rule
+        if are_free.any():
+            level = LEVELS[level_of(max(level.modes, _FINE))]
+        rule = level.finer_rule if is_flat else level.rule
         orders = Orders(
             _three(of_sides),
             _three(of_vertices),
             level.bubbles,
             level.neck_bubbles,
-            _three(are_free * min(_FREE * level.fluid, _MOST)),
+            _three(are_free),
             _three(are_narrow),
             _three(are_corners),
         )
         alike = np.flatnonzero(np.all(kinds == kind, axis=1))
         numbers = orders.total * 3 * (2 * rule.first * rule.across.shape[1] + rule.third.shape[1])
-        for some in np.array_split(alike, 1 + len(alike) * numbers // _NUMBERS):
+        for some in np.array_split(alike, min(len(alike), 1 + len(alike) * numbers // _NUMBERS)):
             yield Part(some, orders, rule)
 
 

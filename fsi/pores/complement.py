@@ -1,4 +1,4 @@
-"""The stress in equilibrium that dissipates least in pores of cells and channels: a lower bound, a pressure.
+"""The stress in equilibrium that dissipates least in pores: a pressure, in cells and channels a lower bound.
 
 In the plane a stress in equilibrium has Airy's function phi, sigma = (phi_yy, -phi_xy; -phi_xy, phi_xx).
 Bodies without force and torque leave phi and grad phi single-valued; apart from that phi is free on their
@@ -49,6 +49,8 @@ from fsi.pores.surfaces import DISC, WALL
 from fsi.pores.system import PoreSystem
 from fsi.pores.topology import Pores
 
+# Modes of a neck: with one pressures in narrow necks are off by half of themselves, with 16 rounding tells.
+FEWEST, MOST = 2, 12
 _STRESSES = (np.diag([-1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]]))
 
 
@@ -85,10 +87,11 @@ class LeastStresses:
 
     Attributes:
         system: of phi, whose bodies are hollow; of fluid of viscosity 1.
-        means: the mean stresses, of s and, of a cell, of d, as G above; none without periods.
+        means: the m mean stresses, of s and, of a cell, of d, as G above; none without periods.
         forces: the loads, if any.
-        x: numbers beside each, (n, G), then beside the forces, (n, 1).
-        M: their products over 4 |Omega|, as above, (G, G); behind them c, if there are forces, (G, 1).
+        x: numbers beside each, (n, m), then beside the forces, (n, 1).
+        M: their products over 4 |Omega|, as above, (m, m).
+        c: those with the forces, (m,); 0 without.
     """
 
     system: PoreSystem
@@ -96,28 +99,32 @@ class LeastStresses:
     forces: ForceSeries | None
     x: Array
     M: Array
+    c: Array
 
     @classmethod
     def of(cls, pores: Pores, modes: Index, forces: ForceSeries | None = None) -> LeastStresses:
         """With these numbers of modes for the necks, (K,). Raises SolveError."""
         surfaces = replace(pores.surfaces, hollow=True)
-        system = PoreSystem.of(0, replace(pores, surfaces=surfaces), modes, 1.0)
+        system = PoreSystem.of(0, replace(pores, surfaces=surfaces), np.clip(modes, FEWEST, MOST), 1.0)
         means = _STRESSES[: len(surfaces.periods)]
         x, products = _least(system, means, forces)
-        return cls(system, means, forces, x, products[: len(means)] / (4.0 * surfaces.area))
+        M, c = np.split(products[: len(means)] / (4.0 * surfaces.area), [len(means)], axis=1)
+        return cls(system, means, forces, x, M, c.sum(axis=1))
 
     def viscosity(self, E: Array) -> float:
-        """Below the apparent viscosity over mu in the mean strain rate E, of a channel that of its walls."""
+        """Below the apparent viscosity over mu in the mean strain rate E, of a channel that of its walls.
+
+        Of bodies without loads.
+        """
         e = self._rates(E)
         return float(e @ np.linalg.solve(self.M, e) / (e @ e))
 
     def stress(self, E: Array, mu: float) -> AiryStress:
         """The best of them in the mean strain rate E, of fluid of viscosity mu."""
-        k = len(self.means)
-        M, c = self.M[:, :k], self.M[:, k:].sum(axis=1)  # 0 without forces
-        means = np.linalg.solve(M, 2.0 * mu * self._rates(E) - c)
-        mean = sum((m * G for m, G in zip(means, self.means, strict=True)), np.zeros((2, 2)))
-        x = self.x[:, :k] @ means + self.x[:, k:].sum(axis=1)
+        m = len(self.means)
+        means = np.linalg.solve(self.M, 2.0 * mu * self._rates(E) - self.c)
+        mean = sum((size * G for size, G in zip(means, self.means, strict=True)), np.zeros((2, 2)))
+        x = self.x[:, :m] @ means + self.x[:, m:].sum(axis=1)
         return AiryStress(self.system, x, mean, self.forces)
 
     def _rates(self, E: Array) -> Array:
@@ -127,7 +134,7 @@ class LeastStresses:
 
 def _least(system: PoreSystem, means: Sequence[Array], forces: ForceSeries | None) -> tuple[Array, Array]:
     """The best stresses beside these means, then beside forces: numbers (n, k), and products (k, k)."""
-    G, k = len(means), len(means) + (forces is not None)
+    m, k = len(means), len(means) + (forces is not None)
     loads, alone = np.zeros((system.size, k)), np.zeros((k, k))
     for batch in system.assembly.batches:
         q = np.zeros((*batch.unknown.shape, k))
@@ -135,16 +142,16 @@ def _least(system: PoreSystem, means: Sequence[Array], forces: ForceSeries | Non
             q[..., g] = _carried(system, batch, mean)
         Kq = np.einsum("eij,ejg->eig", batch.forms.K, q)
         if forces is not None:
-            Kq[..., G], energy = of_pores(system, batch, forces)
-            alone[G, G] += energy
+            Kq[..., m], energy = of_pores(system, batch, forces)
+            alone[m, m] += energy
         np.subtract.at(loads, batch.unknown.ravel(), Kq.reshape(-1, k))
         alone += np.einsum("eig,eih->gh", q, Kq)
     if forces is not None:
         for forms in system.assembly.fluid:
             products, energy = of_fluid_discs(system, forms, forces)
-            loads[forms.unknown, G] -= products
-            alone[G, G] += energy
-        alone[G, :G] = alone[:G, G]
+            loads[forms.unknown, m] -= products
+            alone[m, m] += energy
+        alone[m, :m] = alone[:m, m]
     free = _free(system)
     x = np.zeros_like(loads)
     x[free] = Cholesky(system.assembly.lower, free).solve(loads[free])

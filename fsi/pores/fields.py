@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
 from math import ceil
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
@@ -19,17 +17,15 @@ from fsi.pores.forms import values
 from fsi.pores.inner import inner_flow
 from fsi.pores.orders import numbers_of
 from fsi.pores.pattern import Index
+from fsi.pores.places import in_discs, locate, off_corners
 from fsi.pores.pore_data import Complex, gathering, pore_data
-from fsi.pores.quadrature import DISTANCE, WEIGHT, Points, Rule, points_at, pore_points, uniform
-from fsi.pores.regions import PoreShapes, cross
-from fsi.pores.surfaces import BoundingSurfaces
+from fsi.pores.quadrature import WEIGHT, Points, Rule, points_at, pore_points, uniform
 from fsi.pores.system import PoreSystem
 
 _PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it
-# Pores near a point, of which one holds it; so many where none of fewer does, as small ones lie beside large.
-_CANDIDATES = (8, 64, 512)
 _QUARTERS = 4  # of a fluid disc
-_ROUNDING = 1e-9  # of the size of a pore: points as far as that outside count as inside
+# Powers of the distance by which psi and its derivatives fall towards a corner, from where they are known.
+_AT_CORNER = np.array([3, 2, 2, 0, 0, 0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,9 +111,10 @@ class FlowFields:
         for batch, numbers in zip(system.assembly.batches, self._numbers, strict=True):
             here = np.flatnonzero(np.isin(pore, batch.pore))
             if len(here):
-                data = pore_data(self._shapes.of(pore[here]))
-                local = numbers[np.searchsorted(batch.pore, pore[here])]
-                jet[:, here] = stream_function(data, points_at(data, place[here]), batch, local)[:, :, 0]
+                shapes, local = self._shapes.of(pore[here]), numbers[np.searchsorted(batch.pore, pore[here])]
+                data, (x, nearer) = pore_data(shapes), off_corners(shapes, place[here])
+                of_pores = stream_function(data, points_at(data, x), batch, local)[:, :, 0]
+                jet[:, here] = nearer ** _AT_CORNER[:, None] * of_pores
         place = self._in_fluid_discs(jet, np.flatnonzero(pore < 0), points, place)
         return FluidField.of(_carried(jet, place, points, self.flow.gradient))
 
@@ -143,7 +140,7 @@ class FlowFields:
     def _in_fluid_discs(self, jet: Array, missing: Index, points: Array, place: Array) -> Array:
         """Fill in points that lie in fluid discs; where all points lie then."""
         surfaces, place = self.flow.system.pores.surfaces, place.copy()
-        own, at = _in_discs(surfaces, np.flatnonzero(surfaces.fluid), points[missing])
+        own, at = in_discs(surfaces, np.flatnonzero(surfaces.fluid), points[missing])
         here = missing[own >= 0]
         place[here], own = at[own >= 0], own[own >= 0]
         jet[:, here] = self._inner(own, place[here] - surfaces.centre[own])
@@ -195,71 +192,6 @@ class FlowFields:
         angle = 0.5 * np.pi * (np.arange(_QUARTERS)[:, None, None] + t)
         one = (t[:, None] * np.stack([np.cos(angle), np.sin(angle)])).reshape(2, -1).T
         return (surfaces.radius[disc, None, None] * one).reshape(-1, 2), np.repeat(disc, len(one))
-
-
-def locate(system: PoreSystem, points: Array) -> tuple[Index, Array]:
-    """The pore of each point, (n,), -1 where there is none, and its image in that pore, (n, 2).
-
-    A point lies in the pore to whose sides it lies on the left, and in no body.
-    """
-    shapes, surfaces = system.shapes, system.pores.surfaces
-    middle = shapes.touch.mean(axis=1)
-    home = _wrapped(middle, surfaces.periods)
-    images = _images(surfaces.periods)
-    tree = cKDTree((home + images[:, None]).reshape(-1, 2))
-    wrapped, pore, place = _wrapped(points, surfaces.periods), np.full(len(points), -1), points.copy()
-    missing = np.arange(len(points))
-    for most in _CANDIDATES:
-        count = min(most, len(tree.data))
-        near = tree.query(wrapped[missing], k=count)[1].reshape(len(missing), count)
-        for candidate in near.T[::-1]:  # the nearest has the last word
-            number = candidate % len(middle)
-            x = wrapped[missing] - images[candidate // len(middle)] + middle[number] - home[number]
-            inside = _inside(shapes.of(number), x)
-            pore[missing[inside]], place[missing[inside]] = number[inside], x[inside]
-        missing = missing[pore[missing] < 0]
-        discs = np.arange(surfaces.discs)  # what lies in one lies in no pore
-        missing = missing[_in_discs(surfaces, discs, wrapped[missing])[0] < 0]
-    return pore, place
-
-
-def _inside(shapes: PoreShapes, x: Array) -> NDArray[np.bool_]:
-    """Whether points (n, 2) lie in pores (n)."""
-    from_feet = np.moveaxis(x[:, None] - shapes.foot[:, :, 0], -1, 0)
-    left = cross(np.moveaxis(shapes.direction, -1, 0), from_feet)
-    outside = points_at(pore_data(shapes), x).rows[:, DISTANCE : DISTANCE + 3, 0]
-    least = -_ROUNDING * shapes.reach.max(axis=1, keepdims=True)
-    return np.asarray(np.all(left >= least, axis=1) & np.all(outside >= least, axis=1))
-
-
-def _in_discs(surfaces: BoundingSurfaces, discs: Index, points: Array) -> tuple[Index, Array]:
-    """Which of some discs holds each point, (n,), -1 for none, and its image in that disc, (n, 2)."""
-    own, place = np.full(len(points), -1), points.copy()
-    if len(discs) == 0 or len(points) == 0:
-        return own, place
-    # Balls, not the nearest centres: a small disc may be nearer to what lies in a large one.
-    centre, wrapped = surfaces.centre[discs], _wrapped(points, surfaces.periods)
-    tree, home = cKDTree(wrapped), _wrapped(centre, surfaces.periods)
-    for image in _images(surfaces.periods):
-        found = tree.query_ball_point(home + image, surfaces.radius[discs])
-        inside = np.concatenate(found).astype(int)
-        disc = np.repeat(np.arange(len(discs)), [len(each) for each in found])
-        own[inside] = discs[disc]
-        place[inside] = wrapped[inside] - image + centre[disc] - home[disc]
-    return own, place
-
-
-def _images(periods: Array) -> Array:
-    """From a period to itself and all its neighbours, (3^P, 2)."""
-    around = product((-1.0, 0.0, 1.0), repeat=len(periods))
-    return np.array([np.array(c) @ periods.reshape(-1, 2) for c in around]).reshape(-1, 2)
-
-
-def _wrapped(points: Array, periods: Array) -> Array:
-    """Images of points in one period, that around the origin."""
-    if len(periods) == 0:
-        return points
-    return np.asarray(points - np.round(points @ np.linalg.pinv(periods)) @ periods)
 
 
 def _carried(jet: Array, place: Array, points: Array, gradient: Array) -> Array:

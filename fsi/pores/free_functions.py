@@ -1,9 +1,12 @@
 """The trial functions of surfaces on which psi is free, walls and bodies, for stresses in equilibrium.
 
-With t along the surface and s off it (`fsi.pores.surface_maps`), A and B the feet of the two necks of a pore
-there, t = 0 at A, and since s is the distance to first order,
+With t along the surface and d off it, A and B the feet of the two necks of a pore there, t = 0 at A,
 
-    Psi = f(t) + s g(t),
+    Psi = f(t) + d g(t),
+
+which has all linear functions: around a circle r cos(theta) = a cos(t / a) + d cos(t / a). What presses the
+surfaces of a narrow neck apart makes phi linear beside it, without stress: were that not exact, it would cost
+more than the neck. In the map w = t + i s (`fsi.pores.surface_maps`) d = a (exp(s / a) - 1).
 
 f and g are cubic with values and slopes at A and B, which the pores beside have too, and in between
 (1 - x^2)^2 P_k(x), which vanish to second order at both ends. Polynomials gather where necks are narrow, as
@@ -32,7 +35,7 @@ from fsi.pores.pore_data import (
 )
 from fsi.pores.quadrature import DISTANCE
 from fsi.pores.surface_functions import ThirdJet, extended
-from fsi.pores.surface_maps import Ends, lay_flat
+from fsi.pores.surface_maps import Ends, bend_of, lay_flat
 from fsi.pores.target import JETS, RATES, Target, put
 from fsi.pores.weights import BLEND, SLOPE_X, SLOPE_Y, WEIGHTS
 
@@ -101,7 +104,7 @@ def _knot(pore: Complex, v: int, ends: Ends, to: Target, k: int) -> int:
     P = to.room[POLYNOMIALS:]
     _cubics(to.room[AT], h, P[0], P[1])
     for m in range(2):
-        _put_both(v, P[m], to, (k + m, k + 2 + m))
+        _put_both(v, bend_of(pore[v]), P[m], to, (k + m, k + 2 + m))
     return k + 4
 
 
@@ -117,7 +120,7 @@ def arc_bubbles(pore: Complex, v: int, number: int, to: Target, k: int) -> int:
     _polynomials(x, number, P)
     for m in range(number):
         _times_ends(P[m], x, P[number + 1])
-        _put_both(v, P[number + 1], to, (k + 2 * m, k + 2 * m + 1))
+        _put_both(v, bend_of(pore[v]), P[number + 1], to, (k + 2 * m, k + 2 * m + 1))
     return k + 2 * number
 
 
@@ -211,23 +214,24 @@ def _times_ends(p: Array, x: Array, out: Array) -> None:
 
 
 @vectorised
-def _put_both(v: int, p: Array, to: Target, at: tuple[int, int]) -> None:
-    """What comes out of Psi = p(t) and of Psi = s p(t) on surface v, as those functions."""
+def _put_both(v: int, bend: float, p: Array, to: Target, at: tuple[int, int]) -> None:
+    """What comes out of Psi = p(t) and of Psi = d p(t) on surface v of curvature bend, as those functions."""
     weights = to.room[BLEND + v], to.room[SLOPE_X + v], to.room[SLOPE_Y + v]
-    coordinates = to.room[AT], to.room[MAPPED]
-    _put_extended(weights, coordinates, p, to.points, (to.out[at[0], to.at :], to.out[at[1], to.at :]))
+    coordinates = to.room[AT], to.room[MAPPED], p
+    _put_extended(weights, coordinates, bend, to.points, (to.out[at[0], to.at :], to.out[at[1], to.at :]))
 
 
 @vectorised
 def _put_extended(
     weights: tuple[Array, Array, Array],
-    coordinates: tuple[Array, Array],
-    p: Array,
+    coordinates: tuple[Array, Array, Array],
+    bend: float,
     points: Array,
     out: tuple[Array, Array],
 ) -> None:
     """The same at points."""
-    (b, sx, sy), (at, mapped), (f, g) = weights, coordinates, out
+    (b, sx, sy), (at, mapped, p), (f, g) = weights, coordinates, out
+    nothing = (0.0, 0.0, 0.0)
     for w in range(AT_ONCE):
         made = load(b, w), load(sx, w), load(sy, w)
         map_ = (
@@ -236,20 +240,28 @@ def _put_extended(
             complex(mapped[4 * AT_ONCE + w], mapped[5 * AT_ONCE + w]),
         )
         p0, p1, p2, p3 = p[w], p[AT_ONCE + w], p[2 * AT_ONCE + w], p[3 * AT_ONCE + w]
-        s = at[AT_ONCE + w]
-        put(f, points, w, extended(made, _function(map_, (p0, p1, 0.0, p2, 0.0, p3, 0.0))))
-        put(g, points, w, extended(made, _function(map_, (s * p0, s * p1, p0, s * p2, p1, s * p3, p2))))
+        d = at[AT_ONCE + w]
+        by_s = 1.0 + d * bend  # dd/ds; its derivatives have one more factor bend each
+        by_ss, by_sss = by_s * bend, by_s * bend * bend
+        put(f, points, w, extended(made, _function(map_, (p0, p1, p2, p3), nothing, nothing)))
+        of_t, of_s = (d * p0, d * p1, d * p2, d * p3), (by_s * p0, by_s * p1, by_s * p2)
+        of_ss = (by_ss * p0, by_ss * p1, by_sss * p0)
+        put(g, points, w, extended(made, _function(map_, of_t, of_s, of_ss)))
 
 
 @inlined
 def _function(
-    map_: tuple[complex, complex, complex], of: tuple[float, float, float, float, float, float, float]
+    map_: tuple[complex, complex, complex],
+    of_t: tuple[float, float, float, float],
+    of_s: tuple[float, float, float],
+    of_ss: tuple[float, float, float],
 ) -> ThirdJet:
-    """F, F_z, F_zz, F_zzb, F_zzz, F_zzzb by F, F_t, F_s, F_tt, F_ts, F_ttt, F_tts; F_ss = 0."""
-    (w1, w2, w3), (value, t, s, tt, ts, ttt, tts) = map_, of
-    first, second = complex(0.5 * t, -0.5 * s), complex(0.25 * tt, -0.5 * ts)
-    third, beside = complex(0.125 * ttt, -0.375 * tts), complex(0.125 * ttt, -0.125 * tts)
-    square, mixed = times(w1, w1), 0.25 * tt
+    """F, F_z, F_zz, F_zzb, F_zzz, F_zzzb by F, F_t, F_tt, F_ttt; F_s, F_ts, F_tts; F_ss, F_tss, F_sss."""
+    (w1, w2, w3), (value, t, tt, ttt), (s, ts, tts), (ss, tss, sss) = map_, of_t, of_s, of_ss
+    first, second = complex(0.5 * t, -0.5 * s), complex(0.25 * (tt - ss), -0.5 * ts)
+    third = complex(0.125 * (ttt - 3.0 * tss), 0.125 * (sss - 3.0 * tts))
+    beside = complex(0.125 * (ttt + tss), -0.125 * (tts + sss))
+    square, mixed = times(w1, w1), 0.25 * (tt + ss)
     size = w1.real * w1.real + w1.imag * w1.imag
     f2 = times(second, square) + times(first, w2)
     f3 = times(third, times(square, w1)) + scaled(3.0, times(second, times(w1, w2))) + times(first, w3)

@@ -15,10 +15,10 @@ from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.quantities import stress_driven
 from fsi.parallel import on_root
 from fsi.pores.bars import other_modes
-from fsi.pores.complement import LeastStresses
+from fsi.pores.complement import MOST, LeastStresses
 from fsi.pores.fields import FlowFields
 from fsi.pores.force_series import ForceSeries
-from fsi.pores.narrow import NARROW, narrowness
+from fsi.pores.narrow import narrowness
 from fsi.pores.necks import Necks, necks_of
 from fsi.pores.pattern import Index
 from fsi.pores.point_forces import PointForces
@@ -33,14 +33,15 @@ from fsi.pores.stress import (
 )
 from fsi.pores.vtu import write_flow, write_necks
 
-# Narrowest necks with a lower bound: at a tenth of it rounding takes that of a pair of discs above the truth.
-BOUNDED = 1e-4
 FEW = 500  # bodies: a bound takes 11 ms each, five times what bars do, and a pressure some 0.1 s
+# Narrowest necks with stresses in equilibrium: at half of it rounding leaves several per cent of a pressure.
+NARROWEST = 5e-4
+FEWER_THAN_MOST = 8  # modes, with which the most are compared
 # Of itself, how far apart pressures with two numbers of modes may be; the better one is off by a part of it.
-APART = 0.4
+APART = 0.1
 NO_PRESSURE = (
     'model = "pores": has a pressure only where no neck is narrow (a gap times half the curvature of both '
-    f"surfaces at least {NARROW:g}) and those with two numbers of modes come within {APART:g} of it; give "
+    f"surfaces at least {NARROWEST:g}) and those with two numbers of modes come within {APART:g} of it; give "
     "more pores.modes if that is why, use Solution.velocity, or the resolved model"
 )
 # Of each relative defect; a flow beyond it is refused. Most cancels where discs stand in columns: 2e-8.
@@ -138,7 +139,7 @@ class PoreInstant:
         None where necks are so narrow that rounding would tell.
         """
         most = self.apparent_viscosity
-        if most is None or not self.force_free or narrowness(self.flow.system.pores).min() < BOUNDED:
+        if most is None or not self.force_free or narrowness(self.flow.system.pores).min() < NARROWEST:
             return None
         least = self.stresses.viscosity(self._mean_strain_rate)
         return least if least <= most else None
@@ -147,24 +148,28 @@ class PoreInstant:
     def pressure(self) -> PressureField | None:
         """Of the stress in equilibrium with most modes, where it is near one with fewer; one more solve.
 
-        None where necks are narrow: what functions between feet leave of it there other modes leave too.
+        None where necks are so narrow that rounding would tell.
         """
-        system = self.flow.system
-        if narrowness(system.pores).min() < NARROW:
+        pores, modes = self.flow.system.pores, self.flow.system.assembly.numbering.modes
+        if narrowness(pores).min() < NARROWEST:
             return None
-        modes = system.assembly.numbering.modes
+        own = np.where(modes < MOST, modes, FEWER_THAN_MOST)
         both = [(self._others.sum(), self.stresses)]
-        both += [(modes.sum(), LeastStresses.of(system.pores, modes, self._forces))]
+        both += [(own.sum(), LeastStresses.of(pores, own, self._forces))]
         fewer, more = sorted(both, key=lambda pair: pair[0])
         other, found = (self._pressure(stresses) for _, stresses in (fewer, more))
         return found if found.apart(other) <= APART else None
 
     def _pressure(self, stresses: LeastStresses) -> PressureField:
         """That of the best of these stresses."""
-        case = self.bodies.case
-        container = case.container()
-        middle = container.middle if container.walls else np.zeros(2)
-        return PressureField(stresses.stress(self._mean_strain_rate, case.fluid.viscosity), middle)
+        stress = stresses.stress(self._mean_strain_rate, self.bodies.case.fluid.viscosity)
+        return PressureField(stress, self._middle)
+
+    @property
+    def _middle(self) -> Array:
+        """x_m, (2,): of a domain with walls its middle."""
+        container = self.bodies.case.container()
+        return container.middle if container.walls else np.zeros(2)
 
     @cached_property
     def _forces(self) -> ForceSeries | None:
@@ -174,7 +179,8 @@ class PoreInstant:
         system, F = self.flow.system, self.flow.F
         surfaces, loaded = system.pores.surfaces, F.any(axis=1)
         dp_dx = self.flow.pressure_gradient if len(surfaces.periods) == 1 else 0.0
-        forces = PointForces(surfaces.centre[: len(F)][loaded], F[loaded], surfaces.periods, dp_dx)
+        at = surfaces.centre[: len(F)][loaded]
+        forces = PointForces(at, F[loaded], surfaces.periods, dp_dx, self._middle)
         return ForceSeries.of(forces, system.shapes, surfaces)
 
     @property

@@ -17,7 +17,7 @@ With c = (pi / L) cot(pi z / L), the sum of 1 / (z - k L) over all k, a row of t
 above and below it uniform: sigma_xy = -+F_x / (2 L), p = +-F_y / (2 L). Of a lattice of rows, h apart, whose
 sum of these has steps, sigma_xy = F_x y / (L h) with p = F_x x / (L h) makes D periodic, and p but for its
 mean gradient G = F / (L h), which balances the forces. Along a row, between walls, G is given:
-sigma_xy = G y, p = G x, as in Poiseuille's flow.
+sigma_xy = G y, p = G x, as in Poiseuille's flow, with x and y from the middle between the walls.
 """
 
 from __future__ import annotations
@@ -67,12 +67,14 @@ class PointForces:
         F: F_x, F_y and T at each, (N, 3).
         periods: rows, (P, 2).
         dp_dx: G along a single row; 0 else.
+        middle: where its p and sigma_xy are 0, (2,).
     """
 
     at: Array
     F: Array
     periods: Array
     dp_dx: float
+    middle: Array
 
     @property
     def gradient(self) -> Array:
@@ -123,7 +125,8 @@ class PointForces:
 
     def with_gradient(self, z: Complex, p: Array, D: Complex) -> tuple[Array, Complex]:
         """p and D at points z in the frame of the rows, with those of G along a single one; D in x and y."""
-        return p + self.dp_dx * z.real, (D + 1j * self.dp_dx * z.imag) * self.along**2
+        r = z - self.along.conjugate() * complex(*self.middle)
+        return p + self.dp_dx * r.real, (D + 1j * self.dp_dx * r.imag) * self.along**2
 
 
 @compiled

@@ -43,8 +43,11 @@ class PressureField:
 
     def at(self, x: Array) -> Array:
         """p (n,) at points x (n, 2); NaN outside the fluid."""
-        of_forces = 0.0 if self._forces is None else self._forces.forces.stress(x)[0]
-        return np.asarray(0.5 * vorticity(self._fields.at(x).gradient) + of_forces - self._level)
+        p = 0.5 * vorticity(self._fields.at(x).gradient) - self._level
+        if self._forces is not None:
+            in_fluid = np.isfinite(p)  # in a body there are the points themselves
+            p[in_fluid] += self._forces.forces.stress(x[in_fluid])[0]
+        return np.asarray(p)
 
     def on_mesh(self, order: int) -> Array:
         """p (n,) at the points of `FlowFields.mesh(order)` of a flow in the same pores."""

@@ -32,10 +32,10 @@ class PoreShapes(NamedTuple):
         gap: length of side v, (E, 3).
         touch: a point on the arc of each vertex, where the inscribed circle touches it, (E, 3, 2).
         turn: +1 where side v runs as its neck is directed, -1 where it runs against it, (E, 3).
-        reach: distance between the centres (or to the wall) of the neck, the unit of length across it, (E,
-        3). fluid: whether a vertex is a disc of fluid, (E, 3). reference: where psi of a surface is its
-        number c: of a disc the foot of its narrowest neck, so that what
-            slides there makes no flux; else the centre, (E, 3, 2).
+        reach: distance between centres (or to the wall) of the neck, the unit of length across it, (E, 3).
+        fluid: whether a vertex is a disc of fluid, (E, 3).
+        reference: where psi of a surface is its number c: of a disc the foot of its narrowest neck, so that
+            what slides there makes no flux; else the centre, (E, 3, 2).
     """
 
     kind: NDArray[np.int8]

@@ -18,7 +18,7 @@ type Ends = tuple[complex, complex]
 
 @vectorised
 def lay_flat(surface: Complex, ends: Ends, points: Array, d: Array, out: tuple[Array, Array]) -> float:
-    """t, s and the derivatives of w at points with distances d; returns t of the second end."""
+    """t, d and the derivatives of w at points with distances d; returns t of the second end."""
     if surface[IS_WALL].real > 0.0:
         n = surface[NORMAL]
         return _of_wall(complex(n.imag, -n.real), ends, points, d, out)
@@ -43,7 +43,7 @@ def _of_circle(
     A = foot - centre
     for w in range(AT_ONCE):
         r = complex(points[w] - centre.real, points[Y * AT_ONCE + w] - centre.imag)
-        at[w], at[AT_ONCE + w] = -a * _angle(A, r), a * np.log1p(d[w] / a)
+        at[w], at[AT_ONCE + w] = -a * _angle(A, r), d[w]
         square = r.real * r.real + r.imag * r.imag
         inverse = complex(r.real / square, -r.imag / square)
         first = scaled(a, complex(-inverse.imag, inverse.real))  # i a / z
@@ -64,3 +64,11 @@ def _store(mapped: Array, w: int, derivatives: tuple[complex, complex, complex])
     for m in range(3):
         mapped[2 * m * AT_ONCE + w] = derivatives[m].real
         mapped[(2 * m + 1) * AT_ONCE + w] = derivatives[m].imag
+
+
+@inlined
+def bend_of(surface: Complex) -> float:
+    """Its curvature 1 / a, 0 of a wall."""
+    if surface[IS_WALL].real > 0.0:
+        return 0.0
+    return float(surface[SIGN].real / surface[RADIUS].real)

@@ -40,7 +40,7 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, pressure: PressureField
     columns = np.column_stack([x, u, psi, vorticity(G), strain_rate(G), *more])
     known = columns.reshape(-1, _PATCH, columns.shape[1])
     pore, ends = mesh.pore, mesh.ends
-    known[mesh.corner, :_SIDE, 5:] = 0.0  # fluid rests in a corner, where derivatives are quotients of zeros
+    known[mesh.corner, :_SIDE, 5:7] = 0.0  # fluid rests in a corner, where derivatives are quotients of zeros
     nodes, cells = _cells(known, ends)
     values = {"velocity": in_space(nodes[:, 2:4]), "psi": nodes[:, 4], "vorticity": nodes[:, 5]}
     values["strain_rate"] = nodes[:, 6]

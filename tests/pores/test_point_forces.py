@@ -23,7 +23,9 @@ PERIODS = {"none": NONE, "row": ROW, "lattice": LATTICE, "rows far apart": FAR}
 def forces(periods: Array) -> PointForces:
     rng = np.random.default_rng(0)
     dp_dx = 0.3 if len(periods) == 1 else 0.0
-    return PointForces(rng.uniform(size=(3, 2)), rng.normal(size=(3, 3)), periods, dp_dx)
+    return PointForces(
+        rng.uniform(size=(3, 2)), rng.normal(size=(3, 3)), periods, dp_dx, np.array([0.3, -0.2])
+    )
 
 
 def sigma(of: PointForces, x: Array) -> Array:
@@ -75,7 +77,7 @@ def test_the_stress_does_not_know_which_image_is_the_nearest() -> None:
 
     A wrong linear part of a lattice would make a step of a tenth and more.
     """
-    of = PointForces(np.zeros((1, 2)), np.array([[1.0, 2.0, 0.5]]), LATTICE, 0.0)
+    of = PointForces(np.zeros((1, 2)), np.array([[1.0, 2.0, 0.5]]), LATTICE, 0.0, np.zeros(2))
     for first, other in (LATTICE, LATTICE[::-1]):
         p, D = of.stress((0.5 + np.array([[-1e-8], [1e-8]])) * first + 0.3 * other)
         assert abs(p[1] - p[0]) < 1e-6
@@ -101,7 +103,7 @@ def test_series_sum_the_same_stress(periodic: bool) -> None:
     bodies = ~surfaces.fluid & (surfaces.radius > 0.0)
     F = np.random.default_rng(3).normal(size=(int(bodies.sum()), 3))
     periods = surfaces.periods if periodic else NONE
-    of = PointForces(surfaces.centre[bodies], F, periods, 0.2 if periodic else 0.0)
+    of = PointForces(surfaces.centre[bodies], F, periods, 0.2 if periodic else 0.0, np.zeros(2))
     series, x = in_pores(surfaces, of)
     assert np.mean(series.radius > 0.0) > 0.5
     p, D = series.stress(np.arange(len(x)), x)
