@@ -204,6 +204,7 @@ def test_the_pressure_of_a_lattice_is_right_down_to_narrow_gaps(gap: float) -> N
 def test_where_rounding_would_tell_there_is_none_and_it_is_said() -> None:
     """A gap of 4e-4 radii: pressures with 4 and 8 modes are 5e-3 apart, and both off by 5e-2."""
     solution = fsi.solve(lattice(4e-4))
+    assert isinstance(solution.instant, PoreInstant)
     assert narrowness(solution.instant.flow.system.pores).min() < instant.NARROWEST
     with pytest.raises(InputError, match="has a pressure only where no neck is narrow"):
         solution.evaluate([[0.0, 0.0]])
