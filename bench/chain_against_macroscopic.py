@@ -28,7 +28,7 @@ END, FINE = 0.4, 6400
 
 def start(n: int) -> Parcels:
     """n parcels as they begin."""
-    m, dm, X = blocks([(-1.0, 1.0, 0.5)], n)
+    m, dm, X, _ = blocks([(-1.0, 1.0, 0.5)], n)
     return at_rest_in_memory(m, dm, X, X**2 - np.sin(np.pi * X))
 
 

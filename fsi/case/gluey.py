@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
+from fsi.bodies.configuration import Array
 from fsi.case.section import Name, NotNegative, Positive, Section, all_components
 
 type Variant = Literal["shifted", "cone", "film"]
@@ -16,7 +17,8 @@ class ContactLaw:
     """What happens between two surfaces that touch.
 
     Attributes:
-        variant: "shifted": release costs no step; "cone": the slides' set C_q; "film": before the limit.
+        variant: "shifted": release costs no step; "cone": the slides' set C_q, which pays too much where an
+            impulse pulls (`fsi.gluey.step`); "film": before the limit.
         gamma_min: the memory, <= 0, at which roughness makes contact solid; or -inf.
         friction: Coulomb's coefficient mu_f at solid contact, >= 0.
         tangential: c >= 0 in the viscous force `-c |gamma| slip / a`, `a = a_i a_j/(a_i + a_j)`.
@@ -52,6 +54,13 @@ class PlaneWall(Section):
         if not any(normal):
             raise ValueError("is zero")
         return normal
+
+    @property
+    def unit_normal(self) -> Array:
+        """Its direction, (d,); scaled first, as squares of very small or large components are no numbers."""
+        scaled = np.array(self.normal) / max(map(abs, self.normal))
+        unit: Array = scaled / np.linalg.norm(scaled)
+        return unit
 
 
 class Gluey(Section):

@@ -18,9 +18,11 @@ FUNCTIONS = {
     "sin": np.sin, "cos": np.cos, "exp": np.exp, "sqrt": np.sqrt, "abs": np.abs, "sign": np.sign,
     "tanh": np.tanh, "minimum": np.minimum, "maximum": np.maximum, "where": np.where,
 }  # fmt: skip
+_ARGUMENTS = {"minimum": 2, "maximum": 2, "where": 3}  # of others one: NumPy would write into a further one
 _NODES = (
     ast.Expression, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Call, ast.Name, ast.Load, ast.Constant,
-    ast.operator, ast.unaryop, ast.cmpop,
+    ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.UAdd, ast.USub,
+    ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq,
 )  # fmt: skip
 
 
@@ -35,6 +37,7 @@ def check(formula: str, variables: tuple[str, ...]) -> None:
         tree = ast.parse(formula, mode="eval")
     except (SyntaxError, ValueError):
         raise ValueError("is not a formula") from None
+    called = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
     for node in ast.walk(tree):
         if not isinstance(node, _NODES) or (isinstance(node, ast.Compare) and len(node.ops) > 1):
             raise ValueError("uses more than numbers, + - * / **, one comparison at a time and functions")
@@ -42,15 +45,24 @@ def check(formula: str, variables: tuple[str, ...]) -> None:
             raise ValueError(f"has {node.value!r}, which is not a number")
         if isinstance(node, ast.Name) and node.id not in (*variables, "pi", *FUNCTIONS):
             raise ValueError(f"knows {', '.join((*variables, 'pi', *FUNCTIONS))}, but not {node.id}")
-        if isinstance(node, ast.Call) and (
-            not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
-        ):
-            raise ValueError(f"calls something that is not one of {', '.join(FUNCTIONS)}")
+        if isinstance(node, ast.Call):
+            _check_call(node)
+        if isinstance(node, ast.Name) and node.id in FUNCTIONS and node not in called:
+            raise ValueError(f"has {node.id} without arguments")
 
     try:
         evaluate(formula, np.array([0.5]), **dict.fromkeys(variables, np.array([0.5])))
     except (ArithmeticError, TypeError, ValueError) as error:
         raise ValueError(f"has no value: {error}") from None
+
+
+def _check_call(call: ast.Call) -> None:
+    """Raise ValueError unless one of FUNCTIONS is called with as many arguments as it takes."""
+    if not isinstance(call.func, ast.Name) or call.func.id not in FUNCTIONS:
+        raise ValueError(f"calls something that is not one of {', '.join(FUNCTIONS)}")
+    name, given = call.func.id, len(call.args)
+    if given != (wanted := _ARGUMENTS.get(name, 1)):
+        raise ValueError(f"gives {name} {given} arguments, which takes {wanted}")
 
 
 def evaluate(formula: str, like: Array, **variables: Array | float) -> Array:

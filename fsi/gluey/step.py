@@ -6,7 +6,9 @@
 
 D is convex in q between discs or spheres, so that a gap is never less than its linearisation: no overlap. The
 cone variant takes u* without memory, asks for D^n + h G.u = 0 where gamma < 0, and
-`gamma^{n+1} = min(max(gamma^n - p, gamma_min), 0)`. Where gamma = gamma_min the contact is solid: `p +
+`gamma^{n+1} = min(max(gamma^n - p, gamma_min), 0)`: a step that releases a contact may pull by more than was
+stored, by at most its load h Phi, but in an impulse by O(1) for any h, as where what is held turns at once;
+with p >= gamma^n it would be 1. to 3. Where gamma = gamma_min the contact is solid: `p +
 gamma_min` is its impulse, which bounds Coulomb's friction.
 
 The film variant has a viscosity eps > 0: 2. is `min 1/2 |u - u*|_M^2 + (1/h) sum eps Psi(D^n + h G.u)`

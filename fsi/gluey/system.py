@@ -174,11 +174,9 @@ def room(case: Case) -> Room:
 
 def _planes(case: Case) -> tuple[Array, Array]:
     """Points and unit normals of the walls besides those of the domain, (W, d) each."""
-    points, normals = (
-        np.array([getattr(wall, key) for wall in case.gluey.walls], dtype=float).reshape(-1, case.dimension)
-        for key in ("point", "normal")
-    )
-    return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    walls, shape = case.gluey.walls, (-1, case.dimension)
+    points = np.reshape([wall.point for wall in walls], shape)
+    return points, np.reshape([wall.unit_normal for wall in walls], shape)
 
 
 def _masses(case: Case) -> Array:

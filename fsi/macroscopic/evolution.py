@@ -24,6 +24,8 @@ from fsi.macroscopic.model import Force, Parcels, at_rest_in_memory, blocks
 from fsi.parallel import on_root
 from fsi.run_folder.paraview import write_polyline
 
+_FASTEST = 1e150  # velocities up to this have squares
+
 
 @dataclass(frozen=True, slots=True)
 class Line:
@@ -90,14 +92,16 @@ def matter(case: Case) -> Line:
 def _of_blocks(case: Case) -> Line:
     given = case.macroscopic.blocks
     pieces = [(block.left, block.right, block.density) for block in given]
-    m, dm, X = blocks(pieces, case.macroscopic.parcels)
-    u = X.copy()
+    m, dm, X, of_parcel = blocks(pieces, case.macroscopic.parcels)
+    u = np.empty_like(X)
     for i, block in enumerate(given):
-        inside = (block.left <= X) & (block.right >= X)
+        inside = of_parcel == i  # not by X: rounding may put a parcel past the end of its block
         u[inside] = evaluate(block.initial_velocity, X, x=X, m=m)[inside]
-        if not np.isfinite(u[inside]).all():
+        if not (np.abs(u[inside]) <= _FASTEST).all():
             key = f"macroscopic.blocks.{i}.initial_velocity = {toml_text(block.initial_velocity)}"
-            raise InputError(f"{key}: is not finite in all of the block; give a formula that is")
+            raise InputError(
+                f"{key}: is not finite, or above {_FASTEST:g}, in the block; give another formula"
+            )
     formula = case.macroscopic.force_per_mass
 
     def force(x: Array, m: Array, t: float) -> Array:
@@ -123,9 +127,8 @@ def _of_bodies(case: Case) -> Line:
     order = np.argsort(q.centres[:, axis])
     centres, radii = q.centres[order, axis], q.radii[order]
     pieces = [(float(x - a), float(x + a), 1.0) for x, a in zip(centres, radii, strict=True)]
-    m, dm, X = blocks(pieces, case.macroscopic.parcels)
-    ends = np.cumsum(2.0 * radii)
-    of_parcel = order[np.minimum(np.searchsorted(ends, m), len(radii) - 1)]
+    m, dm, X, piece = blocks(pieces, case.macroscopic.parcels)
+    of_parcel = order[piece]
     mass = masses[:, axis]
 
     impulses = [polynomial(body.loads[axis], case.timing.end).antiderivative() for body in case.bodies]
@@ -157,14 +160,15 @@ class MacroscopicEvolution:
         self._step = case.timing.step or case.timing.end
 
     def start(self) -> Moment:
-        """The moment at time 0."""
+        """The moment at time 0. Raises SolveError: velocities are too large for numbers."""
         return self._moment(0.0, 0, 0.0)
 
     def advance(self, state: State) -> Moment:
-        """One step. Raises SolveError: a force is not finite, or a body is past a wall."""
+        """One step. Raises SolveError: a force or what it does is not finite, or a body is past a wall."""
         t_end = self.schedule.landing(state.t, self._step)
         h, force = t_end - state.t, self.line.force(state.t, t_end)
-        self.parcels = self.parcels.advance(force, state.t, h)
+        with np.errstate(over="ignore", invalid="ignore"):  # the moment says what is not finite
+            self.parcels = self.parcels.advance(force, state.t, h)
         bodies = self.line.bodies
         if bodies and (past := past_walls(self.case, bodies.at(self.parcels.X), t_end)) is not None:
             raise SolveError(past)
@@ -181,13 +185,12 @@ class MacroscopicEvolution:
 
     def _moment(self, t: float, step: int, h: float) -> Moment:
         parcels, mass_per_length = self.parcels, self.line.mass_per_length
-        mass = mass_per_length * parcels.dm
-        columns = {
-            "largest_density": float(parcels.density.max()),
-            "smallest_gamma": mass_per_length * float(parcels.gamma.min()),
-            "momentum": float(parcels.u.sum() * mass),
-            "kinetic_energy": 0.5 * float((parcels.u**2).sum() * mass),
-        }
+        columns = totals(parcels, mass_per_length)
+        for name, value in columns.items():
+            if not np.isfinite(value):
+                raise SolveError(
+                    f"macroscopic: {name} is not finite at t = {t:.9g}; give smaller forces or velocities"
+                )
         bodies = self.line.bodies
         if bodies is None:
             q, U, F = NO_BODIES, np.empty((0, 3)), np.empty((0, 3))
@@ -201,6 +204,18 @@ class MacroscopicEvolution:
         write = partial(_write, step, parcels, mass_per_length)
         tables = partial(_tables, step, t, parcels, mass_per_length)
         return Moment(state, record, self.case.names, write, tables)
+
+
+def totals(parcels: Parcels, mass_per_length: float) -> dict[str, float]:
+    """What a step tells of all parcels; not finite where they have run out of numbers."""
+    mass = mass_per_length * parcels.dm
+    with np.errstate(all="ignore"):
+        return {
+            "largest_density": float(parcels.density.max()),
+            "smallest_gamma": mass_per_length * float(parcels.gamma.min()),
+            "momentum": float(parcels.u.sum() * mass),
+            "kinetic_energy": 0.5 * float((parcels.u**2).sum() * mass),
+        }
 
 
 def profile(parcels: Parcels, mass_per_length: float) -> dict[str, NDArray[np.float64]]:

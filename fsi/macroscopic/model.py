@@ -21,6 +21,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
 from fsi.bodies.configuration import Array
@@ -64,8 +65,8 @@ def at_rest_in_memory(m: Array, dm: float, X: Array, u: Array) -> Parcels:
     return Parcels(m, dm, X, u, u)
 
 
-def blocks(pieces: list[tuple[float, float, float]], n: int) -> tuple[Array, float, Array]:
-    """m, dm and X of n parcels of equal mass in blocks (left, right, density), from left to right.
+def blocks(pieces: list[tuple[float, float, float]], n: int) -> tuple[Array, float, Array, NDArray[np.intp]]:
+    """m, dm, X and the block of n parcels of equal mass in blocks (left, right, density), from left to right.
 
     Every block holds whole parcels when its mass is a multiple of dm; the others' parcels lie where the
     inverse of the mass left of x has them.
@@ -77,4 +78,4 @@ def blocks(pieces: list[tuple[float, float, float]], n: int) -> tuple[Array, flo
     block = np.minimum(np.searchsorted(ends, m, side="right") - 1, len(pieces) - 1)
     left, _, rho = np.array(pieces).T
     X: Array = left[block] + (m - ends[block]) / rho[block]
-    return m.astype(float), dm, X
+    return m.astype(float), dm, X, block

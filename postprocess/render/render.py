@@ -1,10 +1,12 @@
 """Pictures and animations of a run of any model."""
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 from fsi.errors import InputError
 from fsi.files import require_suffix
+from fsi.postprocess.render.canvas import Picture
 from fsi.postprocess.render.meridian import MeridianArtist
 from fsi.postprocess.render.network import NECKS, NeckArtist, NetworkArtist
 from fsi.postprocess.render.picture import MOVIES, STILLS, Artist, write_pictures
@@ -15,6 +17,7 @@ from fsi.postprocess.render.spatial import SpatialArtist
 from fsi.postprocess.render.suspended import MOTION, MotionArtist
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
+from fsi.report.progress import counting
 
 
 def artist(run: Run, choice: Choice) -> Artist:
@@ -62,5 +65,17 @@ def render_run(
     last = painter.step(step)
     steps = painter.film if animated else [last]
     painter.require(steps[0])
-    write_pictures(painter.pictures(steps), output)
+    pictures = painter.pictures(steps)
+    if animated:
+        with counting("pictures") as show:
+            write_pictures(_counted(pictures, lambda n: show(n, len(steps))), output)
+    else:
+        write_pictures(pictures, output)
     return output
+
+
+def _counted(pictures: Iterable[Picture], show: Callable[[int], None]) -> Iterator[Picture]:
+    """The pictures, after each of which `show` is told how many there are."""
+    for n, picture in enumerate(pictures, 1):
+        show(n)
+        yield picture

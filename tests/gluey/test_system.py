@@ -15,6 +15,7 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.gluey import ContactLaw
 from fsi.case.load import parse_case
+from fsi.errors import InputError
 from fsi.gluey.evolution import GlueyEvolution
 from fsi.gluey.step import _memory, advance
 from fsi.gluey.system import Held, gluey_system
@@ -155,3 +156,39 @@ def test_forces_act_from_the_walls_of_gluey_too() -> None:
         case = case_of(body, gluey={"walls": walls}, forces=[law | {"walls": acts}])
         load = gluey_system(case).load(case.configuration().centres, 0.0, 0.1)
         assert_allclose(load[0, :2], -0.1 * 2.0 * np.exp(-0.8 / 3.0) * acts * n, rtol=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-200, 1e-320, 1.0, 1e200])
+def test_a_wall_has_the_direction_of_its_normal_of_any_length(size: float) -> None:
+    """Of (0, 1): a disc of radius 1/2 at y = 1 is 0.5 above; at y = 0.4 it overlaps by 0.1."""
+    walls = [{"name": "floor", "point": [0.0, 0.0], "normal": [0.0, size]}]
+    case = case_of({"position": [0.0, 1.0]}, gluey={"walls": walls})
+    assert_allclose(gluey_system(case).room.normals[-1], [0.0, 1.0], rtol=0.0)
+    with pytest.raises(InputError, match=r"^bodies: b0 and wall floor overlap by 0\.1; move them apart$"):
+        case_of({"position": [0.0, 0.4]}, gluey={"walls": walls})
+
+
+@pytest.mark.parametrize(("radius", "size"), [(1e-200, "small"), (1e-300, "small"), (1e200, "large")])
+def test_a_radius_without_a_moment_of_inertia_is_refused(radius: float, size: str) -> None:
+    """Its fourth power in the plane, and its fifth in space, round to 0 or infinity."""
+    line = rf"^bodies: radius {radius:g} of 'b0' is too {size} for numbers; give lengths in another unit$"
+    with pytest.raises(InputError, match=line.replace("+", r"\+")):
+        case_of({"position": [0.0, 0.0], "radius": radius})
+
+
+@pytest.mark.parametrize(("variant", "after"), [("shifted", 0.0), ("cone", -3.0)])
+def test_what_an_impulse_pulls_is_overpaid_by_the_cone_alone(variant: str, after: float) -> None:
+    """A held disc turns from 1 to -3 at once, with a disc of mass 3 that it has brought to 1: gamma = -3.
+
+    To follow at -3 takes an impulse of -12, but -3 were stored, which bring 3 to rest. The cone keeps the gap
+    at 0 for the whole step, so that it follows, for any step.
+    """
+    turns = {"times": [0.0, 0.5, 0.5], "values": [1.0, 1.0, -3.0]}
+    pushed = {"position": [1.25, 0.0], "mass": 3.0}
+    held = {"position": [0.0, 0.0], "velocity": [turns, 0.0], "angular_velocity": 0.0}
+    evolution = GlueyEvolution(case_of(held, pushed, gluey={"variant": variant}))
+    state = evolution.start().state
+    for _ in range(5):
+        state = evolution.advance(state).state
+    assert_allclose(evolution.memory()["gamma"], [-3.0], rtol=1e-8)
+    assert_allclose(evolution.advance(state).state.U[1, 0], after, atol=1e-7)

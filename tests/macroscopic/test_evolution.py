@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Array
 from fsi.case.load import load_case, parse_case
+from fsi.case.macroscopic import evaluate
 from fsi.errors import InputError, SolveError
 from fsi.integration.state import StepRecord
 from fsi.macroscopic.evolution import PROFILES, MacroscopicEvolution, matter, profile
@@ -200,3 +201,70 @@ def test_bodies_do_not_run_through_a_wall_unseen() -> None:
         evolution.advance(state)
     with pytest.raises(InputError, match="body 'b0' is past wall 'right' at t = 0"):
         bodies_case(position=[49.5, 0.0])
+
+
+def test_blocks_know_no_forces_of_other_levels() -> None:
+    gravity = {"kind": "gravity", "acceleration": [5.0, 0.0], "density_difference": 1.0}
+    with pytest.raises(InputError, match=r"^forces\.0: .* only macroscopic\.force_per_mass; drop it$"):
+        parse_case(of_blocks({"shape": "unbounded"}) | {"forces": [gravity]})
+    bodies = bodies_case()
+    with pytest.raises(InputError, match=r"^forces\.0: .* only the forces of \[\[bodies\]\]; drop it$"):
+        parse_case(bodies.model_dump(exclude_unset=True) | {"forces": [gravity]})
+
+
+def on_a_line(ends: list[tuple[float, float]], u: str, parcels: int, **macroscopic: Any) -> Any:
+    blocks = [{"left": a, "right": b, "density": 0.7, "initial_velocity": u} for a, b in ends]
+    matter = {"blocks": blocks, "parcels": parcels} | macroscopic
+    return parse_case(of_blocks({"shape": "unbounded"}) | {"macroscopic": matter})
+
+
+def test_a_parcel_that_rounding_puts_past_its_block_has_the_velocity_of_it() -> None:
+    """The third of five parcels lies on the end -0.45 of the first block, to an ulp: u = 1 as all have."""
+    parcels = matter(on_a_line([(-1.65, -0.45), (-0.32, 0.88)], "1", 5)).parcels
+    assert parcels.X[2] > -0.45
+    assert_allclose(parcels.u, 1.0, rtol=0.0)
+
+
+def test_a_velocity_without_a_square_is_refused() -> None:
+    line = r'^macroscopic\.blocks\.0\.initial_velocity = "1e300\*x": .*; give another formula$'
+    with pytest.raises(InputError, match=line):
+        matter(on_a_line([(0.0, 1.0)], "1e300*x", 5))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("force", ["1e308", "1e308*x*1e10", "-1e160", "where(x > 0.5, -1e308, 1e308)"])
+def test_a_step_that_runs_out_of_numbers_is_none(force: str) -> None:
+    """From u = 0 a step of 0.1: 1e307, whose square, 1e614, is no number; nor is that of 1e159."""
+    evolution = MacroscopicEvolution(on_a_line([(0.0, 1.0)], "0", 5, force_per_mass=force))
+    start = evolution.start()
+    with pytest.raises(SolveError, match="is not finite at "):
+        evolution.advance(start.state)
+
+
+@pytest.mark.parametrize(
+    ("formula", "line"),
+    [
+        ("sin(x, m)", "gives sin 2 arguments, which takes 1"),  # NumPy would write it into m
+        ("cos(t, x)", "gives cos 2 arguments, which takes 1"),
+        ("sin()", "gives sin 0 arguments, which takes 1"),
+        ("maximum(x, m, x)", "gives maximum 3 arguments, which takes 2"),
+        ("where(x > 0)", "gives where 1 arguments, which takes 3"),
+        ("where(x > 0, 1, sin)", "has sin without arguments"),
+        *((formula, r"uses more than numbers, \+ - \* / \*\*") for formula in (
+            "x@x", "x % m", "x // m", "x << 2", "not x", "~x", "x is m", "x in m", "sin(x, out=m)", "sin(*x)",
+        )),
+    ],
+)  # fmt: skip
+def test_a_formula_is_arithmetic_and_functions_of_their_own_number_of_arguments(
+    formula: str, line: str
+) -> None:
+    with pytest.raises(InputError, match=rf"^macroscopic\.force_per_mass = .*: {line}"):
+        on_a_line([(0.0, 1.0)], "0", 5, force_per_mass=formula)
+
+
+def test_what_formulas_may_say() -> None:
+    """+(-1) + 3/2 - 2 * 0.5^2 = 0 at any x, and 4 where x > 1/4 and not beyond 3/4."""
+    x = np.array([0.0, 0.5, 1.0])
+    formula = "+(-1) + 3/2 - 2*0.5**2 + where(x > 0.25, where(x >= 0.75, 0, 4), 0)"
+    on_a_line([(0.0, 1.0)], formula, 5)
+    assert_allclose(evaluate(formula, x, x=x), [0.0, 4.0, 0.0])

@@ -30,12 +30,12 @@ def free(x: Array, _m: Array, _t: float) -> Array:
 
 
 def two_blocks(n: int) -> Parcels:
-    m, dm, X = blocks([(-2.0, -1.0, 1.0), (1.0, 2.0, 1.0)], n)
+    m, dm, X, _ = blocks([(-2.0, -1.0, 1.0), (1.0, 2.0, 1.0)], n)
     return at_rest_in_memory(m, dm, X, np.where(m < 1.0, 1.0, -0.5))
 
 
 def converging(n: int) -> Parcels:
-    m, dm, X = blocks([(-1.0, 1.0, 0.5)], n)
+    m, dm, X, _ = blocks([(-1.0, 1.0, 0.5)], n)
     return at_rest_in_memory(m, dm, X, -X)
 
 
@@ -109,7 +109,7 @@ def test_chains_tend_to_the_macroscopic_model() -> None:
     errors = []
     fine = macroscopic_positions(3200)
     for n in (15, 30, 60):
-        m, dm, X = blocks([(-1.0, 1.0, 0.5)], n)
+        m, dm, X, _ = blocks([(-1.0, 1.0, 0.5)], n)
         system, state = chain(n, X, X**2 - np.sin(np.pi * X), dm)
         h = 0.4 / (2 * n)
         for k in range(2 * n):
@@ -119,7 +119,7 @@ def test_chains_tend_to_the_macroscopic_model() -> None:
 
 
 def macroscopic_positions(n: int) -> tuple[Array, Array]:
-    m, dm, X = blocks([(-1.0, 1.0, 0.5)], n)
+    m, dm, X, _ = blocks([(-1.0, 1.0, 0.5)], n)
     end = march(at_rest_in_memory(m, dm, X, X**2 - np.sin(np.pi * X)), free, 0.4, n)
     return m, end.X
 

@@ -8,6 +8,8 @@ from fsi.case.checks.without_flow import ROUNDING, check_estimates, check_rest
 from fsi.case.section import refusal, toml_text
 from fsi.errors import InputError
 
+_LARGEST = 1e60  # radii up to this, and down to its inverse, have fifth powers
+
 
 def check_gluey(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
@@ -15,11 +17,23 @@ def check_gluey(case: Case) -> None:
         raise InputError("bodies: missing; give [[bodies]], [[grids]] or bodies_from")
     check_estimates(case)
     check_rest(case)
+    _check_radii(case)
     _check_walls(case)
     _check_names(case)
     for k, force in enumerate(case.forces):
         force.require_contact(f"forces.{k}")
     _check_contacts(case)
+
+
+def _check_radii(case: Case) -> None:
+    """Moments of inertia of uniform bodies are numbers, and so are their inverses."""
+    for body in case.bodies:
+        if not 1.0 / _LARGEST <= body.radius <= _LARGEST:
+            size = "small" if body.radius < 1.0 else "large"
+            raise InputError(
+                f"bodies: radius {body.radius:g} of {body.name!r} is too {size} for numbers; give lengths in "
+                "another unit"
+            )
 
 
 def _check_walls(case: Case) -> None:
@@ -60,10 +74,7 @@ def _check_contacts(case: Case) -> None:
     gaps = find_gaps(q, container, reach=0.0)
     between_bodies = zip(gaps.pairs, gaps.pair_gaps, strict=True)
     touching = [(gap, f"{bodies[i]} and {bodies[j]}") for (i, j), gap in between_bodies]
-    of_planes = [
-        (np.array(wall.normal) / np.linalg.norm(wall.normal)) @ (q.centres - np.array(wall.point)).T - q.radii
-        for wall in case.gluey.walls
-    ]
+    of_planes = [(q.centres - np.array(wall.point)) @ wall.unit_normal - q.radii for wall in case.gluey.walls]
     to_walls = np.column_stack([container.distances(q.centres) - q.radii[:, None], *of_planes])
     names = [*container.walls, *(wall.name for wall in case.gluey.walls)]
     overlaps = np.argwhere(to_walls <= 0.0)

@@ -24,6 +24,7 @@ def check_macroscopic(case: Case) -> None:
     container, here = case.container(), f"domain.shape = {toml_text(case.domain.shape)}"
     check_estimates(case)
     check_rest(case)
+    _check_forces(case)
     if len(container.periods):
         raise InputError(f'{here}: is periodic, but the line of the macroscopic model ends; give "unbounded"')
     if case.macroscopic.blocks:
@@ -93,6 +94,13 @@ def _check_apart(case: Case, q: Configuration, axis: int) -> None:
         raise InputError(f"bodies: {one} and {other} overlap by {-gaps[deepest]:.3g}; move them apart")
 
 
+def _check_forces(case: Case) -> None:
+    """Bodies have their own forces, and blocks their force per mass: there are no others."""
+    if case.forces:
+        known = "macroscopic.force_per_mass" if case.macroscopic.blocks else "the forces of [[bodies]]"
+        raise InputError(f"forces.0: the macroscopic model knows only {known}; drop it")
+
+
 def _check_loads(case: Case, axis: int) -> None:
     """Along the line bodies are free; nothing pushes free ones off it."""
     for i, body in enumerate(case.bodies):
@@ -104,8 +112,6 @@ def _check_loads(case: Case, axis: int) -> None:
         for k, (motion, load, key) in enumerate(zip(body.motion, body.loads, body.keys, strict=True)):
             if k != axis and motion == "free" and not is_zero(load):
                 raise refusal(f"bodies.{i}.{key}", load, "pushes the body off its line; drop it")
-    for k, _ in enumerate(case.forces):
-        raise InputError(f"forces.{k}: the macroscopic model knows only the forces of [[bodies]]; drop it")
 
 
 def _check_parcels(case: Case, radii: Array) -> None:

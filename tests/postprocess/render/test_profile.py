@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +77,22 @@ def test_pictures_and_animations(blocks: Run) -> None:
     assert picture.shape[0] > one.shape[0]
     with GifImageFile(render_run(blocks, blocks.path / "all.gif", Choice(size=100))) as movie:
         assert movie.n_frames == 3
+
+
+class Terminal(StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_an_animation_says_on_a_terminal_how_far_it_is(blocks: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    for stderr, said in ((Terminal(), True), (StringIO(), False)):
+        monkeypatch.setattr(sys, "stderr", stderr)
+        render_run(blocks, blocks.path / "all.gif", Choice(size=100))
+        assert ("3 of 3 pictures" in stderr.getvalue()) == said
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    render_run(blocks, blocks.path / "a.png", Choice(size=100))
+    assert not terminal.getvalue()
 
 
 @pytest.mark.parametrize(
