@@ -28,7 +28,12 @@ def appearing(path: Path) -> AbstractContextManager[Path]:
 
     Where that fails nothing is left of it, and what was there before stays.
     """
-    return _becoming(path, path.with_name(f".{path.name}.partial"))
+    return _becoming(path, unfinished(path))
+
+
+def unfinished(path: Path) -> Path:
+    """Where this process writes what then takes a path: a place of its own, as another may write the same."""
+    return path.with_name(f".partial-{os.getpid()}-{path.name}")
 
 
 @contextmanager

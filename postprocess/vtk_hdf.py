@@ -20,7 +20,7 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
 
 from fsi.errors import InputError
-from fsi.files import require_suffix
+from fsi.files import require_suffix, unfinished
 from fsi.postprocess.run.run import Run
 
 SUFFIX = ".vtkhdf"
@@ -85,7 +85,7 @@ def write_vtkhdf(run: Run, output: Path, series: str | None = None) -> int:
     require_suffix(output, SUFFIX)
     series = series or run.series
     run.step(None, series)
-    temporary = output.with_name(f".partial-{output.name}")
+    temporary = unfinished(output)
     steps, writer = _Steps(run, series), vtkHDFWriter()
     writer.SetFileName(str(temporary))
     writer.SetWriteAllTimeSteps(True)

@@ -15,7 +15,7 @@ from meshio.xdmf import TimeSeriesWriter
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.files import require_suffix
+from fsi.files import require_suffix, unfinished
 from fsi.meshes.cells.lagrange import order_of, small_simplices
 from fsi.postprocess.run.run import Indices, Run, nodes
 
@@ -85,7 +85,7 @@ def write_xdmf(run: Run, output: Path) -> int:
     data = output.with_suffix(HEAVY)
     if data.exists() and not (data.is_dir() and all(file.suffix == ".bin" for file in data.iterdir())):
         raise InputError(f"output = {output}: {data} is there with other files in it; give another path")
-    light, heavy = (path.with_name(f".partial-{path.name}") for path in (output, data))
+    light, heavy = map(unfinished, (output, data))
     try:
         shutil.rmtree(heavy, ignore_errors=True)
         heavy.mkdir()

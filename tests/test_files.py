@@ -38,7 +38,7 @@ def test_a_field_file_is_on_the_disk_before_it_takes_its_place(synced: list[str]
     """A checkpoint may know of it after a power cut."""
     write_points(tmp_path / "a.vtu", np.zeros((3, 2)), {"p": np.ones(3)})
     assert [path.name for path in tmp_path.iterdir()] == ["a.vtu"]
-    assert synced == [f".a.vtu.partial {(tmp_path / 'a.vtu').stat().st_size}"]
+    assert synced == [f".partial-{os.getpid()}-a.vtu {(tmp_path / 'a.vtu').stat().st_size}"]
 
 
 def test_tables_are_on_the_disk_before_the_checkpoint_that_knows_their_lengths(
@@ -54,6 +54,19 @@ def test_tables_are_on_the_disk_before_the_checkpoint_that_knows_their_lengths(
         assert {"steps.csv", "bodies.csv"} <= set(order[before + 1 : commit])
     last = (tmp_path / "run" / "steps.csv").stat().st_size
     assert [name for name in synced if name.startswith("steps.csv ")][-1] == f"steps.csv {last}"
+
+
+def test_two_processes_write_the_same_file_without_each_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last one stays. In one place the other would find its file gone, and HDF5 waited for ever."""
+    path = tmp_path / "a.txt"
+    with appearing(path) as one:
+        one.write_text("one")
+        monkeypatch.setattr(os, "getpid", lambda: 1)
+        with appearing(path) as other:
+            other.write_text("other")
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a.txt": "one"}
 
 
 def test_nothing_is_left_of_a_file_that_could_not_be_written(

@@ -27,7 +27,7 @@ def test_what_comes_after_the_last_commit_is_cut_off(unbroken: Path, tmp_path: P
     with (folder / "steps.csv").open("a") as table:
         table.write("5,0.5")
     (folder / "fields" / "fluid_000099_0.vtu").write_text("half a fi")
-    (folder / "fields" / ".fluid_000005_0.vtu.partial").write_text("half a fi")
+    (folder / "fields" / ".partial-1-fluid_000005_0.vtu").write_text("half a fi")
     (folder / "state.npz.tmp").write_text("half a st")
     (folder / "fluid.pvd").write_bytes((unbroken / "fluid.pvd").read_bytes())
     (folder / "notes.txt").write_text("the user's own")

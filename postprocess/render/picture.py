@@ -26,6 +26,7 @@ from PIL import Image
 
 from fsi.bodies.surface_gap import SurfaceGap, gap_between
 from fsi.errors import InputError
+from fsi.files import unfinished
 from fsi.postprocess.plots.figure import LIGHT, Theme, label_short, plain
 from fsi.postprocess.render.canvas import Picture, require_opengl
 from fsi.postprocess.render.view import Choice, View
@@ -203,7 +204,7 @@ def round_length(most: float) -> float:
 
 def write_pictures(pictures: Iterable[Picture], output: Path) -> None:
     """Write pictures of one size, (height, width, 3) each, as they come. Raises InputError."""
-    temporary = output.with_name(f".partial-{output.name}")
+    temporary = unfinished(output)
     try:
         temporary.touch()  # ffmpeg would complain itself, in its own words
         {".png": _write_png, ".mp4": _write_mp4, ".gif": _write_gif}[output.suffix](pictures, temporary)
