@@ -114,6 +114,7 @@ class SteppedEvolution:
         if self.strayed and errors:
             self.strayed.follow(step, errors, self.stepper.model, container)
             columns |= self.strayed.columns(state, container)
+            columns |= self.strayed.dissipation_column(step, errors.errors)
             of_bodies |= self.strayed.body_columns(q, errors.errors)
         gap = nearest_gaps(q, container.at(state.t, q.strain)).smallest()
         record = StepRecord(state.step, state.t, step.h, gap, step.rejected, q, U, F, columns, of_bodies)

@@ -25,22 +25,26 @@ solve finds w = h J h dU, the ratio of w to h dU is z, and eps is not below STEP
 places are those to which e decays with exp(z), and what decays is summed as an exponential, as the rules
 above are unstable below z = -1.
 
+The solves say too how the loads change on the way to near places and velocities, dF, and the dissipation D,
+of which dD = 2 F . d + grad D . e. With mass the bars of both have this, each component by itself.
+
 A gap s strays by |grad s . e|, and the time at which the run has it by that over the rate s'.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from math import inf
-from typing import Any
+from math import inf, nan
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import MODES, PLACES, Array, Configuration, Inertia, Motion
+from fsi.bodies.configuration import LOADS, MODES, PLACES, Array, Configuration, Inertia, Motion
 from fsi.bodies.gaps import nearest_gaps
 from fsi.integration.errors import ErrorEstimate, StepErrors
-from fsi.integration.state import Model, State, Step
+from fsi.integration.relaxing import mean, relaxing, shrunk
+from fsi.integration.state import Instant, Model, State, Step
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.rotations import turn_between
 
@@ -52,6 +56,7 @@ STEP_SAFETY = 2.5
 TURN_SAFETY = 20.0
 # The velocity of a body with mass erred by up to six times the estimate, at first steps.
 VELOCITY_SAFETY = 8.0
+OF_CAUSES = np.array([1.0, VELOCITY_SAFETY])[:, None, None]
 # Their signs are chosen: where one carries the other along, they may cancel in the estimate alone. So each is
 # known to this part of the largest.
 HIDDEN = 0.1
@@ -60,6 +65,20 @@ SMALLER = 1e-3  # the same for gaps, which are exact
 
 def _none() -> Array:
     return np.zeros((2, 0, 0))
+
+
+class _Change(NamedTuple):
+    """What near places and velocities change.
+
+    Attributes:
+        U: of the velocities, (N, M).
+        F: of the loads, (N, M).
+        D: of the dissipation at the same velocities, as 2 F . dU is taken off.
+    """
+
+    U: Array
+    F: Array
+    D: float = 0.0
 
 
 @dataclass(slots=True)
@@ -74,6 +93,8 @@ class Strayed:
         run: velocities and accelerations of the run at the last step, of modes without mass 0, (2, N, M).
         last: the estimate of that step over h^3, and where it ended, (2, N, M).
         widest: the larger |d| of its two ends, at the second without cancellation; not for the next step.
+        loads: |dF| of its end, without cancellation, (2, N, M); not for the next step.
+        lost: |grad D . e| there; not for the next step.
     """
 
     masses: Array | None
@@ -83,6 +104,8 @@ class Strayed:
     run: Array = field(default_factory=_none)
     last: Array = field(default_factory=_none)
     widest: Array = field(default_factory=_none)
+    loads: Array = field(default_factory=_none)
+    lost: float = 0.0
 
     def follow(self, step: Step, errors: StepErrors, model: Model, container: Container) -> None:
         """Take a step, at whose end velocities and loads miss by `errors`; collective.
@@ -94,23 +117,27 @@ class Strayed:
         run = self._run(step)
         if h == 0.0:
             self.e, self.d, self.run = np.zeros((2, *delta.shape)), _of_elements(delta), run
-            self.widest = np.abs(self.d)
+            self.widest, self.loads, self.lost = np.abs(self.d), np.zeros_like(self.e), 0.0
             self.last = np.stack([self._at_first(step), _places(step.state.q)])
             return
         none, carried = np.zeros_like(delta), partial(self._carried, step, model=model, container=container)
         z = least = none
         if self.masses is None:
             change = h * (run[0] - self.run[0])
-            z, least = _relaxing(step.state.q.arms, change, h * carried(change, none))
+            z, least = relaxing(step.state.q.arms, change, h * carried(change, none).U)
         eps, eta = self._missed(step, run, least)
         self.run, self.last = run, np.stack([_per_cube(step), _places(step.state.q)])
-        near = self.e + _shrunk(z) * h * self.d + eps
+        near = self.e + shrunk(z) * h * self.d + eps
         pushed = self.d + eta - _of_elements(h * self._accelerated(phi))
-        of_elements = carried(near[0], pushed[0]) + delta
-        of_steps = np.stack([carried(near[1], none), carried(none, pushed[1])])
+        by_elements = carried(near[0], pushed[0])
+        by_places, by_speeds = carried(near[1], none), carried(none, pushed[1])
+        of_elements, of_steps = by_elements.U + delta, np.stack([by_places.U, by_speeds.U])
+        loads = np.abs([by_elements.F, np.abs(by_places.F) + np.abs(by_speeds.F)])
+        self.loads = np.where(self._found(step), loads, 0.0)
+        self.lost = abs(by_elements.D) + abs(by_places.D)
         d = np.stack([of_elements, of_steps.sum(axis=0)])
         # d is that of places that have eps, which comes at the end of the step.
-        self.e = self.e + h * _mean(self.d, d - z / h * eps) + eps
+        self.e = self.e + h * mean(self.d, d - z / h * eps) + eps
         widest = np.stack([np.abs(of_elements), np.abs(of_steps).sum(axis=0)])
         self.d, self.widest = d, np.maximum(np.abs(self.d), widest)
 
@@ -125,6 +152,11 @@ class Strayed:
         if self.masses is None:
             return np.zeros_like(load)
         return np.divide(load, self.masses, out=np.zeros_like(load), where=self.masses > 0.0)
+
+    def _found(self, step: Step) -> NDArray[np.bool_]:
+        """Where loads are results, (N, M); all others are given."""
+        held = self.motion_at(step.state.q, step.state.t).held
+        return held if self.masses is None else held | (self.masses > 0.0)
 
     def _missed(self, step: Step, run: Array, least: Array) -> tuple[Array, Array]:
         """eps, before STEP_SAFETY at least `least`, and eta of a step, by cause, (2, N, M) each."""
@@ -159,19 +191,21 @@ class Strayed:
         erred: Array = np.copysign(more * np.maximum(np.abs(error), usual * step.h**3), error)
         return erred
 
-    def _carried(self, step: Step, e: Array, d: Array, model: Model, container: Container) -> Array:
-        """What the distances d become over a step that ends at the distances e, (N, M)."""
+    def _carried(self, step: Step, e: Array, d: Array, model: Model, container: Container) -> _Change:
+        """What the distances d become over a step that ends at the distances e, U, and what goes with it."""
         q, t, U = step.state.q, step.state.t, step.state.U
         scale = SMALL * _scale(q, e, container.at(t))
         if scale == 0.0:  # only d counts, of which the velocities are a linear function
             if not d.any():
-                return np.zeros_like(e)
+                return _Change(np.zeros_like(e), np.zeros_like(e))
             scale = 1.0
         inertia = None
         if self.masses is not None:
             inertia = Inertia(self.masses / step.h, U - step.h * self.run[1] + scale * d)
-        near: Array = model(q.moved(scale * e), t, inertia).U
-        return np.asarray((near - U) / scale)
+        near, F = model(q.moved(scale * e), t, inertia), step.instant.F
+        dU, dF = near.U - U, near.F - F
+        dD = _dissipation(near) - _dissipation(step.instant) - 2.0 * float((F * dU).sum())
+        return _Change(dU / scale, dF / scale, dD / scale)
 
     def columns(self, state: State, container: Container) -> Mapping[str, float]:
         """Of steps.csv: how far the smallest gap has strayed, and the time at which the run has it."""
@@ -183,14 +217,28 @@ class Strayed:
     def body_columns(self, q: Configuration, errors: ErrorEstimate) -> Mapping[str, Array]:
         """Of bodies.csv: the errors of positions and angles, absolute, (N,) each.
 
-        With mass those of velocities too, which carry on what was missed before; without, a velocity is that
-        of the flow where the run has the bodies, and `errors` has what it misses there.
+        With mass those of velocities and loads too, which carry on what was missed before; without, they are
+        those of the flow where the run has the bodies, and `errors` has what they miss there.
         """
-        found = {f"err_{name}": e for name, e in zip(PLACES[q.dimension], _bars(q, self.e).T, strict=True)}
+        of_places = _bars(q.arms, self.e)
+        found = {f"err_{name}": e for name, e in zip(PLACES[q.dimension], of_places.T, strict=True)}
         if self.masses is None:
             return found
-        of_velocities = np.maximum(errors.U, _bars(q, self.widest * [[[1.0]], [[VELOCITY_SAFETY]]]))
+        of_velocities = np.maximum(errors.U, self._of_velocities(q))
+        of_loads = errors.F + _bars(1.0 / q.arms, self.loads * OF_CAUSES)
+        found |= {f"err_{name}": error for name, error in zip(LOADS[q.dimension], of_loads.T, strict=True)}
         return found | {f"err_{name}": d for name, d in zip(MODES[q.dimension], of_velocities.T, strict=True)}
+
+    def dissipation_column(self, step: Step, errors: ErrorEstimate) -> Mapping[str, float]:
+        """Of steps.csv, with mass: the error of the dissipation, absolute."""
+        if self.masses is None:
+            return {}
+        by_velocities = 2.0 * float((np.abs(step.instant.F) * self._of_velocities(step.state.q)).sum())
+        return {"err_dissipation": errors.dissipation + by_velocities + self.lost}
+
+    def _of_velocities(self, q: Configuration) -> Array:
+        """How far velocities have strayed at most, (N, M)."""
+        return _bars(q.arms, self.widest * OF_CAUSES)
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """What must be restored, by name."""
@@ -201,38 +249,17 @@ class Strayed:
         self.e, self.d, self.run, self.last = memory["strayed"]
 
 
-def _bars(q: Configuration, distances: Array) -> Array:
-    """Of distances (2, N, M) by cause, (N, M)."""
+def _dissipation(instant: Instant) -> float:
+    """Not a number of a model that does not know it."""
+    return float(getattr(instant, "dissipation", nan))
+
+
+def _bars(arms: Array, distances: Array) -> Array:
+    """Of distances (2, N, M) by cause, (N, M); times their arms they are alike."""
     of_elements, of_steps = np.abs(distances)
-    hidden = HIDDEN * (q.arms * of_steps).max(initial=0.0) / q.arms
+    hidden = HIDDEN * (arms * of_steps).max(initial=0.0) / arms
     bars: Array = of_elements + np.where(of_steps > 0.0, np.maximum(of_steps, hidden), 0.0)
     return bars
-
-
-def _relaxing(arms: Array, change: Array, w: Array) -> tuple[Array, Array]:
-    """z of the body of each mode, 0 where it does not relax, and what a step errs by at least, (N, M) each.
-
-    change: h dU, (N, M); w: h J of that.
-    """
-    size, size_of_w = (np.linalg.norm(arms * of, axis=1, keepdims=True) for of in (change, w))
-    relaxes = (arms**2 * change * w).sum(axis=1, keepdims=True) < 0.0
-    z = np.divide(-size_of_w, size, out=np.zeros_like(size), where=relaxes)
-    # exp(z) - R(z) is at most 1/4 of h dU, less than STEP_SAFETY / 6; at the jump of a force z has no bound.
-    part = np.minimum(-z / 30.0, np.divide(1.0 / 6.0, -z, out=np.zeros_like(z), where=relaxes))
-    return np.broadcast_to(z, change.shape), part * np.abs(w)
-
-
-def _shrunk(z: Array) -> Array:
-    """(exp(z) - 1) / z, for z <= 0."""
-    return np.divide(np.expm1(z), z, out=np.ones_like(z), where=z < 0.0)
-
-
-def _mean(d: Array, later: Array) -> Array:
-    """Of d over a step to `later`: what decays does so as an exponential, all else changes evenly."""
-    ratio = np.divide(later, d, out=np.zeros_like(d), where=d != 0.0)
-    decays = (ratio > 0.0) & (ratio < 1.0)
-    even = 0.5 * (d + later)
-    return np.divide(later - d, np.log(ratio, out=np.ones_like(d), where=decays), out=even, where=decays)
 
 
 def _per_cube(step: Step) -> Array:

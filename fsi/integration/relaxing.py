@@ -1,0 +1,31 @@
+"""How fast bodies without mass relax to a balance of loads in a step, and sums over what decays so."""
+
+import numpy as np
+
+from fsi.bodies.configuration import Array
+
+
+def relaxing(arms: Array, change: Array, w: Array) -> tuple[Array, Array]:
+    """z of the body of each mode, 0 where it does not relax, and what a step errs by at least, (N, M) each.
+
+    change: h dU, (N, M); w: h J of that.
+    """
+    size, size_of_w = (np.linalg.norm(arms * of, axis=1, keepdims=True) for of in (change, w))
+    relaxes = (arms**2 * change * w).sum(axis=1, keepdims=True) < 0.0
+    z = np.divide(-size_of_w, size, out=np.zeros_like(size), where=relaxes)
+    # exp(z) - R(z) is at most 1/4 of h dU, less than STEP_SAFETY / 6; at the jump of a force z has no bound.
+    part = np.minimum(-z / 30.0, np.divide(1.0 / 6.0, -z, out=np.zeros_like(z), where=relaxes))
+    return np.broadcast_to(z, change.shape), part * np.abs(w)
+
+
+def shrunk(z: Array) -> Array:
+    """(exp(z) - 1) / z, for z <= 0."""
+    return np.divide(np.expm1(z), z, out=np.ones_like(z), where=z < 0.0)
+
+
+def mean(d: Array, later: Array) -> Array:
+    """Of d over a step to `later`: what decays does so as an exponential, all else changes evenly."""
+    ratio = np.divide(later, d, out=np.zeros_like(d), where=d != 0.0)
+    decays = (ratio > 0.0) & (ratio < 1.0)
+    even = 0.5 * (d + later)
+    return np.divide(later - d, np.log(ratio, out=np.ones_like(d), where=decays), out=even, where=decays)
