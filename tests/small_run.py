@@ -14,7 +14,7 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.integration.state import StepRecord
-from fsi.runs import Outcome, run
+from fsi.runs import MakeEvolution, Outcome, run
 from tests.exact_model import DiscsBesidePlane, by
 
 BODIES = [
@@ -28,6 +28,7 @@ BODIES = [
     },
 ]
 make_model = partial(DiscsBesidePlane, noise=1e-4)
+EXACT = by(make_model)
 
 
 def small_case(**sections: Any) -> Case:
@@ -44,7 +45,7 @@ def small_case(**sections: Any) -> Case:
 
 
 def start(case: Case, folder: Path) -> Outcome:
-    return run(case, folder, make=by(make_model))
+    return run(case, folder, make=EXACT)
 
 
 def contents(folder: Path) -> dict[str, Any]:
@@ -75,10 +76,12 @@ class KilledError(Exception):
     """Instead of a signal, where the place to break off is a step."""
 
 
-def break_off(folder: Path, case: Case, step: int) -> None:
+def break_off(folder: Path, case: Case, step: int, make: MakeEvolution = EXACT) -> None:
+    """Begin a run, and end it after that step."""
+
     def progress(record: StepRecord) -> None:
         if record.step == step:
             raise KilledError
 
     with pytest.raises(KilledError):
-        run(case, folder, progress, make=by(make_model))
+        run(case, folder, progress, make=make)

@@ -12,6 +12,8 @@ from time import monotonic
 
 import pytest
 
+import fsi
+
 ROOT = Path(__file__).parents[1]
 MOST_SECONDS = 60.0
 
@@ -45,6 +47,14 @@ def test_links_lead_somewhere_in_a_checkout_too() -> None:
         own = (target for target in targets if not re.match(r"[a-z]+:", target))
         lost += [(page.name, target) for target in own if not (page.parent / target).exists()]
     assert lost == []
+
+
+def test_the_page_of_python_has_every_name_of_the_package() -> None:
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    told = set(re.findall(r"^::: (\S+)$", page, flags=re.MULTILINE))
+    names = {name: getattr(fsi, name) for name in vars(fsi)["__all__"]}
+    wholes = {name: {of.__module__, f"{of.__module__}.{of.__qualname__}"} for name, of in names.items()}
+    assert [name for name, whole in wholes.items() if not whole & told] == []
 
 
 @pytest.mark.slow

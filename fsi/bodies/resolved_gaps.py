@@ -29,7 +29,7 @@ def too_narrow(q: Configuration, container: Container, names: Sequence[str]) -> 
     one, other = np.concatenate([i, body])[worst], np.concatenate([j, len(q) + wall])[worst]
     between = f"between {sides[one]!r} and {sides[other]!r}"
     size = f"{width[worst]:.3g}, {relative[worst]:.2g} radii"
-    return f"the gap {between} is {size}, below the 1e-8 that are resolved"
+    return f"the gap {between} is {size}, below the {LEAST:g} that are resolved"
 
 
 def require_resolved(q: Configuration, t: float, container: Container, names: Sequence[str]) -> None:

@@ -10,10 +10,10 @@ from typing import Any, ClassVar, NamedTuple, Self, override
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator
 
 from fsi.case.section import (
-    CaseContext,
     Geometry,
     Registered,
     Registry,
+    context_of,
     refuse_unknown,
     require_components,
     told,
@@ -80,8 +80,7 @@ class Walled(Registered):
     @override
     def model_post_init(self, context: Any) -> None:
         """Keep the geometry of the case, which says what the container looks like."""
-        if isinstance(context, CaseContext):
-            self._geometry = context.geometry
+        self._geometry = context_of(context).geometry
 
     @property
     def geometry(self) -> Geometry:

@@ -120,9 +120,14 @@ def require_components[T](vector: tuple[T, ...], number: int, what: str) -> tupl
     return vector
 
 
+def context_of(context: Any) -> CaseContext:
+    """What the whole case tells its sections, by the context of a validation, which may have none."""
+    return context if isinstance(context, CaseContext) else CaseContext()
+
+
 def told(info: ValidationInfo) -> CaseContext:
-    """What the whole case tells its sections while they are validated."""
-    return info.context if isinstance(info.context, CaseContext) else CaseContext()
+    """The same, of a validator."""
+    return context_of(info.context)
 
 
 def all_components[T](vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:

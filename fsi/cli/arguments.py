@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.loading import loading
+from fsi.cli.loading import kept, loading
 from fsi.errors import InputError
 from fsi.machine.ranks import forget
 
@@ -85,6 +85,7 @@ def load(path: Path, overrides: list[str] | None, folder: Path | None = None) ->
         from fsi.case.checks.work import check_work, require_room
         from fsi.case.load import load_case
 
+    with kept():
         case = parallel.on_root(lambda: load_case(path, overrides or ()))
         warning = parallel.on_root(lambda: check_work(case))
         if folder is not None:

@@ -44,17 +44,20 @@ def free_disk(path: Path) -> float:
     return float(shutil.disk_usage(there).free)
 
 
-def require_memory(what: str, need: float, remedy: str) -> None:
-    """Raise InputError where work needs more bytes than there are; what: key, value and what it makes."""
-    if not need <= memory():
+def require_memory(what: str, need: float, remedy: str, within: float = 1.0) -> None:
+    """Raise InputError where work needs more bytes than there are; what: key, value and what it makes.
+
+    within: the factor by which there may be less of the need.
+    """
+    if not need / within <= memory():
         raise InputError(
             f"{what}, for which some {size(need)} are needed, of {size(memory())} here; {remedy}"
         )
 
 
-def require_disk(what: str, need: float, remedy: str, path: Path) -> None:
-    """Raise InputError where the files of some work need more bytes than are free."""
-    if not need <= (free := free_disk(path)):
+def require_disk(what: str, need: float, remedy: str, path: Path, within: float = 1.0) -> None:
+    """Raise InputError where the files of some work need more bytes than are free, as `require_memory`."""
+    if not need / within <= (free := free_disk(path)):
         there = f"of {size(free)} free in {path.absolute()}"
         raise InputError(f"{what}, with some {size(need)} of files, {there}; {remedy}")
 

@@ -1,6 +1,6 @@
 """The stress of a suspension: its parts, the apparent viscosity; vorticity and strain rate of a gradient."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import nan
 from typing import Self
@@ -124,6 +124,19 @@ class BulkStress:
         S = self.stresslets
         between = {} if self.pressure else {"S_N_1": S[:, 0, 0] - S[:, 1, 1]}
         return {**components("S", S, self.pressure), **between}
+
+
+# They apply only at instants with a strain rate and without loads on bodies.
+VISCOSITY_CHECKS = ("stress", "viscosity_bound")
+
+
+def compared_viscosities(mu: float, others: Sequence[float], filled: float) -> dict[str, float]:
+    """The largest relative defect of an apparent viscosity, and how far it is below 1 / (1 - phi).
+
+    others: the same by other ways, over the viscosity of the fluid; filled: phi.
+    """
+    defect = float(np.abs(np.array(others) / mu - 1.0).max())
+    return {"stress": defect, "viscosity_bound": max(0.0, 1.0 / (1.0 - filled) / mu - 1.0)}
 
 
 def _deviator(stress: Array) -> Array:

@@ -154,13 +154,7 @@ def mean_flow(system: PoreSystem, batch: Batch, gradient: Array) -> Array:
     shift = pores.image[batch.pore] @ periods
     image = system.shapes.reference[batch.pore]
     U, c = shift @ gradient.T, stream(gradient, image) - stream(gradient, image - shift)
-    q, at = np.zeros(batch.unknown.shape), 0
-    first = system.assembly.numbering.surface
-    for v in range(3):
-        body = pores.vertices[batch.pore, v]
-        q[:, at], q[:, at + 1], q[:, at + 3] = U[:, v, 0], U[:, v, 1], c[:, v]
-        at += int(first[body[0] + 1] - first[body[0]])
-    return q
+    return _of_surfaces(system, batch, U, c)
 
 
 def carried(system: PoreSystem, batch: Batch, gradient: Array) -> Array:
@@ -170,6 +164,11 @@ def carried(system: PoreSystem, batch: Batch, gradient: Array) -> Array:
     """
     centre, reference = system.shapes.centre[batch.pore], system.shapes.reference[batch.pore]
     U, c = _carried(centre - centre[:, :1], reference - centre, gradient)
+    return _of_surfaces(system, batch, U, c)
+
+
+def _of_surfaces(system: PoreSystem, batch: Batch, U: Array, c: Array) -> Array:
+    """The numbers (n, m) of pores, of whose surfaces each moves with U (n, 3, 2), psi there c (n, 3)."""
     q, at = np.zeros(batch.unknown.shape), 0
     first = system.assembly.numbering.surface
     for v in range(3):

@@ -11,7 +11,7 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError, SolveError, apart
 from fsi.observables.bars import DrivenBodies
-from fsi.observables.bulk_stress import BulkStress
+from fsi.observables.bulk_stress import VISCOSITY_CHECKS, BulkStress
 from fsi.observables.quantities import stress_driven
 from fsi.parallel import on_root
 from fsi.pores.bars import other_modes
@@ -25,7 +25,6 @@ from fsi.pores.point_forces import PointForces
 from fsi.pores.pressure import PressureField
 from fsi.pores.solve import PoreFlow
 from fsi.pores.stress import (
-    VISCOSITY_CHECKS,
     bulk_stress,
     is_force_free,
     mean_strain_rate,

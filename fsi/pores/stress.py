@@ -22,7 +22,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.observables.bars import DrivenBodies
-from fsi.observables.bulk_stress import BulkStress, area_fraction
+from fsi.observables.bulk_stress import VISCOSITY_CHECKS, BulkStress, area_fraction, compared_viscosities
 from fsi.pores.carrier import stream
 from fsi.pores.solve import PoreFlow, PoreLoading
 
@@ -94,9 +94,6 @@ def _traceless(T: Array) -> Array:
     return np.asarray(0.5 * (T + T.T) - 0.5 * np.trace(T) * np.eye(2))
 
 
-VISCOSITY_CHECKS = ("stress", "viscosity_bound")
-
-
 def viscosity_checks(bodies: DrivenBodies, flow: PoreFlow, stress: BulkStress) -> dict[str, float]:
     """Of bodies without loads: the three viscosities are one, and that at least 1 / (1 - phi)."""
     mu, volume = stress.apparent_viscosity, bodies.case.container().volume
@@ -107,9 +104,7 @@ def viscosity_checks(bodies: DrivenBodies, flow: PoreFlow, stress: BulkStress) -
     others = [float(np.sum(stress.mean * E)) / scale, flow.dissipation / (scale * volume)]
     if not flow.loading.walls.size:
         others.append(flow.power_of_mean(E) / (scale * volume))
-    bound = 1.0 / (1.0 - area_fraction(bodies.q.radii, volume))
-    defect = float(np.abs(np.array(others) / mu - 1.0).max())
-    return {"stress": defect, "viscosity_bound": max(0.0, bound / mu - 1.0)}
+    return compared_viscosities(mu, others, area_fraction(bodies.q.radii, volume))
 
 
 def is_force_free(bodies: DrivenBodies, flow: PoreFlow) -> bool:

@@ -9,12 +9,12 @@ import numpy as np
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import MODES, Array
+from fsi.observables.bulk_stress import VISCOSITY_CHECKS
 from fsi.observables.quantities import stress_driven
 from fsi.observables.truncation import SolvedFlow
 from fsi.stokes import fields
 from fsi.stokes.fields import Flow, Surface, traction, values_at
 from fsi.stokes.problem import StokesProblem
-from fsi.stokes.stress import VISCOSITY_CHECKS
 
 
 @dataclass(frozen=True, slots=True)

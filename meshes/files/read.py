@@ -35,14 +35,14 @@ MISPLACED = 1e-3  # how far, in radii or sizes of the container, a tagged edge m
 
 
 def read_mesh(path: Path, names: Sequence[str], domain: FluidDomain, order: int) -> FluidMesh:
-    """Read a gmsh mesh of the fluid around discs; collective.
+    """Read a gmsh mesh of the fluid around bodies in the plane or on an axis; collective.
 
     The file needs a physical curve for each body and wall, of its name, and a physical surface of any name.
-    Straight triangles are curved to `order` along the discs and round walls; curved ones are taken as they
+    Straight triangles are curved to `order` along the circles and round walls; curved ones are taken as they
     are.
 
-    The names are those of the bodies, the order 1 ... 6. Raises MeshFileError for an unreadable file, a
-    missing or misplaced group, an untagged boundary, and MeshError for an invalid cell.
+    The names are those of the bodies, the order 1 ... 6. Raises MeshFileError for any mesh in space, an
+    unreadable file, a missing or misplaced group, an untagged boundary, and MeshError for an invalid cell.
     """
 
     def read() -> CurvedCells:

@@ -52,7 +52,7 @@ def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
     slave = positive(shift)
     alone = np.bincount(place, minlength=places).min(initial=2) < 2
     if alone or off >= SAME_PLACE * longest or slave.sum() != len(x) - places:
-        raise MeshError("the two sides of a periodic domain do not match; was the mesh made elsewhere?")
+        raise MeshError("the two sides of a periodic domain do not match; shift all bodies a little")
     return PeriodicPairs(np.flatnonzero(slave), master[place[slave]], shift[slave])
 
 

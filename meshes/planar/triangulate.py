@@ -24,6 +24,7 @@ from fsi.meshes.planar.sizing import INSIDE, Curve
 
 REST = BODIES + 1  # the curves that gmsh gets
 DELAUNAY = 5  # grades better than the frontal algorithm in large containers
+REMEDY = "lower discretisation.growth or raise cells_per_circle"
 
 Indices = NDArray[np.int64]
 
@@ -62,8 +63,7 @@ def gmsh_model() -> Iterator[None]:
     except MeshError:
         raise
     except Exception as error:
-        remedy = "lower discretisation.growth or raise cells_per_circle"
-        raise MeshError(f"gmsh failed: {error}; {remedy}") from error
+        raise MeshError(f"gmsh failed: {error}; {REMEDY}") from error
     finally:
         gmsh.model.mesh.removeSizeCallback()
         gmsh.clear()
@@ -208,7 +208,7 @@ def _read_triangles() -> tuple[Array, Indices]:
     vertices = coordinates.reshape(-1, 3)[order, :2]
     triangles = np.searchsorted(tags[order], corners).astype(np.int64).reshape(-1, 3)
     if len(triangles) == 0:
-        raise MeshError("gmsh made no triangles; do two boundaries cross?")
+        raise MeshError(f"gmsh made no triangles; {REMEDY}")
     mirrored = clockwise(vertices, triangles)
     triangles[mirrored] = triangles[mirrored][:, [0, 2, 1]]
     return vertices, triangles
@@ -237,8 +237,7 @@ def require_boundary(cells: Indices, facets: Indices) -> None:
     n = int(max(cells.max(), facets.max())) + 1
     keys, count = np.unique(side_keys(_sides(cells), n), return_counts=True)
     if count.max() > 2 or not np.array_equal(keys[count == 1], np.sort(side_keys(facets, n))):
-        remedy = "lower discretisation.growth or raise cells_per_circle"
-        raise MeshError(f"gmsh lost a part of the boundary; {remedy}")
+        raise MeshError(f"gmsh lost a part of the boundary; {REMEDY}")
 
 
 def side_keys(sides: Indices, n: int) -> Indices:

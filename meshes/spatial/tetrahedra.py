@@ -13,7 +13,7 @@ from fsi.meshes.cells.curved import CurvedCells, require_valid
 from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere, rescaled
-from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
+from fsi.meshes.planar.triangulate import REMEDY, Indices, StraightCells, gmsh_model, require_boundary
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets
 from fsi.meshes.spatial.gap_prisms import (
@@ -214,7 +214,7 @@ def _read(domain: FluidDomain, sides: Sequence[int], tied: Sequence[int]) -> Str
     order = np.argsort(tags)
     used, tets = np.unique(gmsh.model.mesh.getElementsByType(TETRAHEDRON)[1], return_inverse=True)
     if len(used) == 0:
-        raise MeshError("gmsh made no tetrahedra; do two surfaces cross?")
+        raise MeshError(f"gmsh made no tetrahedra; {REMEDY}")
     vertices = coordinates.reshape(-1, 3)[order][np.searchsorted(tags[order], used)]
     to_bodies = [body.off(vertices) for body in domain.ellipsoids] or [
         lengths(vertices - x) - a for x, a in zip(domain.centres, domain.radii, strict=True)

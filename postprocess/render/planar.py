@@ -58,8 +58,9 @@ class PlanarArtist(FlowArtist):
         if needed - {*self._mesh(step).point_data}:
             what = f"--field {self.choice.field}: is not in the files of step {step}"
             if "pressure" in needed and not self.run.case.level.pressure:
-                only = "between pores there is a pressure only as docs/pores.md says; give another field"
-                raise InputError(f"{what}; {only}")
+                only = "where no neck is narrow, with modes enough, of at most 500 bodies"
+                remedy = "raise pores.modes, or give another field"
+                raise InputError(f"{what}; between pores there is a pressure only {only}; {remedy}")
             raise InputError(f"{what}; run the case again")
         super().require(step)
 

@@ -33,7 +33,7 @@ def test_the_narrowest_gap_is_told(gap: float, to_wall: float, words: str | None
         assert found is None
         require_resolved(q, 0.0, BOX, NAMES)
         return
-    assert found == f"the gap between {words}, below the 1e-8 that are resolved"
+    assert found == f"the gap between {words}, below the 1e-08 that are resolved"
     with pytest.raises(
         SolveError, match=r"^bodies: at t = 0\.25 the gap .* by time\.contact_gap or time\.end"
     ):

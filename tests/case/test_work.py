@@ -43,7 +43,7 @@ def test_cells_are_estimated_to_a_factor_three(case_file: str, changes: list[str
 
 
 TOO_MUCH = [
-    ("disc_beside_plane.toml", "bodies.0.position=[0.0, 1.0000000001]", "below the 1e-8 that are resolved"),
+    ("disc_beside_plane.toml", "bodies.0.position=[0.0, 1.0000000001]", "below the 1e-08 that are resolved"),
     ("disc_in_box.toml", "bodies.0.position=[0.0, 1.0000000000001]", "'disc' and 'bottom'"),
     ("disc_in_box.toml", "discretisation.cells_per_circle=100000000", "cells_per_circle = 100000000: a mesh"),
     (
@@ -102,7 +102,8 @@ def test_files_are_looked_for_room_where_they_will_stand(
     check_work(case)
     assert not asked
     with pytest.raises(
-        InputError, match=rf"^output\.interval = 1e-06: .* of 1 MB free in {tmp_path / 'run'};"
+        InputError,
+        match=rf"^output\.interval = 1e-06: .* of files, of 1 MB free in {tmp_path / 'run'};",
     ):
         require_room(case, tmp_path / "run")
     assert asked == [tmp_path / "run"]
@@ -111,8 +112,20 @@ def test_files_are_looked_for_room_where_they_will_stand(
     assert not list(tmp_path.iterdir())
 
 
+def test_what_files_take_is_told_as_it_is_estimated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """2e8 steps of one disc, (200 + 150) bytes each, are 70 GB; a third of it is what must have room."""
+    case = load_case(
+        CASES / "settling_disc.toml", ["output.interval=1e-6", "time.end=200.0", "output.fields=false"]
+    )
+    monkeypatch.setattr("fsi.machine.resources.free_disk", lambda _: 24e9)
+    require_room(case, tmp_path)
+    monkeypatch.setattr("fsi.machine.resources.free_disk", lambda _: 23e9)
+    with pytest.raises(InputError, match=r" with some 70 GB of files, of 23 GB free in "):
+        require_room(case, tmp_path)
+
+
 def test_pores_take_time_and_memory_by_their_modes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fifty discs with eight modes: 0.011 s a disc and step; one: a third of 1.9e5 bytes a disc."""
+    """Fifty discs with eight modes: 0.011 s a disc and step; one: 1.9e5 bytes a disc."""
     file, often = CASES / "pores/history.toml", ["output.interval=1e-3"]
     assert check_work(load_case(file, often)) is None
     assert check_work(load_case(file, [*often, "pores.modes=8"])) == (
@@ -120,7 +133,7 @@ def test_pores_take_time_and_memory_by_their_modes(tmp_path: Path, monkeypatch: 
     )
     (tmp_path / "memory.max").write_text("2000000\n")
     monkeypatch.setattr("fsi.machine.resources._LIMITS", {"": (tmp_path, "memory.max")})
-    with pytest.raises(InputError, match=r"bodies: 50, with pores.modes = 1, .* 3.17 MB .* give fewer"):
+    with pytest.raises(InputError, match=r"bodies: 50, with pores.modes = 1, .* some 9.5 MB .* give fewer"):
         check_work(load_case(file))
 
 

@@ -10,10 +10,10 @@ import fsi
 from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.errors import InputError, SolveError
-from fsi.integration.state import StepRecord
+from fsi.models import make_evolution
 from fsi.runs import resume
 from fsi.runs import run as run_case
-from tests.small_run import contents, rows
+from tests.small_run import break_off, contents, rows
 
 CASES = Path(__file__).parents[2] / "cases"
 SMALL = {
@@ -43,24 +43,14 @@ def test_a_run_can_be_opened(name: str, series: str, tmp_path: Path) -> None:
     assert run.case == small(name)
 
 
-class KilledError(Exception):
-    """Where a run is broken off."""
-
-
 @pytest.mark.parametrize(
     ("name", "at"),
     [("gluey/two_discs.toml", 13), ("gluey/two_discs.toml", 33), ("macroscopic/blocks.toml", 13)],
 )
 def test_a_resumed_run_is_the_unbroken_one(name: str, at: int, tmp_path: Path) -> None:
     """Broken off before contact, at t = 1.65 in contact, at t = 1.3."""
-
-    def kill(record: StepRecord) -> None:
-        if record.step == at:
-            raise KilledError
-
     run_case(small(name), tmp_path / "whole")
-    with pytest.raises(KilledError):
-        run_case(small(name), tmp_path / "broken", kill)
+    break_off(tmp_path / "broken", small(name), at, make_evolution)
     assert resume(tmp_path / "broken").steps > 0
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
     assert resume(tmp_path / "broken").steps == 0

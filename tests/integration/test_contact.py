@@ -104,7 +104,7 @@ def test_no_time_of_contact_is_told_where_the_law_of_the_gap_does_not_hold() -> 
 def test_a_gap_of_contact_that_cannot_be_is_refused_by_name() -> None:
     """A step from 1.25e-8 that closes 0.2 of it, as it may by default, ends at 1e-8; discs start at 0.5."""
     for least in (1e-9, 1e-8):
-        words = rf"time\.contact_gap = {least!r}: a step from it ends below 1e-8 radii, .*; give 1\.25e-08"
+        words = rf"time\.contact_gap = {least!r}: a step from it ends below 1e-08 radii, .*; give 1\.25e-08"
         with pytest.raises(InputError, match=words):
             small_case(time={"end": 1.0, "contact_gap": least})
     small_case(time={"end": 1.0, "contact_gap": 1.25e-8})

@@ -14,13 +14,13 @@ from scipy.interpolate import CubicHermiteSpline
 from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.errors import SolveError
-from fsi.integration.state import StepRecord
 from fsi.lubrication import exact
-from fsi.models import stepped
+from fsi.models import make_evolution, stepped
 from fsi.runs import resume, run
 from fsi.stokes.adapt import RefinedModel
 from tests.exact_model import DiscsBesidePlane
 from tests.integration.test_strayed import moments
+from tests.small_run import break_off
 
 CASES = Path(__file__).parents[2] / "cases"
 COARSE = (
@@ -37,20 +37,10 @@ def columns(folder: Path, table: str = "steps.csv") -> list[dict[str, str]]:
         ]
 
 
-class StoppedError(Exception):
-    """A run that is broken off."""
-
-
-def stop(record: StepRecord) -> None:
-    if record.step == 2:
-        raise StoppedError
-
-
 def whole_as_resumed(case: Case, folder: Path) -> list[dict[str, str]]:
     """The steps of a run, which one that was broken off and resumed has repeated."""
     run(case, folder / "whole")
-    with pytest.raises(StoppedError):
-        run(case, folder / "broken", stop)
+    break_off(folder / "broken", case, 2, make_evolution)
     resume(folder / "broken")
     whole = columns(folder / "whole")
     assert columns(folder / "broken") == whole

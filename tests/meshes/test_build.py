@@ -15,7 +15,9 @@ from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
+from fsi.meshes.planar import triangulate
 from fsi.meshes.resolution import Resolution
+from fsi.meshes.spatial import tetrahedra
 from tests.flows import BOX, HALF_PLANE, SMALL_BOX, disc_over_plane, discs, mesh
 
 QUADRATURE = {"quadrature_degree": 12}
@@ -139,3 +141,14 @@ def test_crossing_bodies_are_refused() -> None:
     with pytest.raises(MeshError) as caught:
         mesh(BOX, discs([(0.0, 4.0), (1.0, 4.0)], [1.0, 1.0]))
     assert "\n" not in str(caught.value)
+
+
+def test_where_gmsh_makes_no_cells_it_is_said_what_to_change() -> None:
+    """No boundary, so no triangles and no tetrahedra."""
+    domain = FluidDomain(Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), np.empty((0, 3)), np.empty(0))
+    for read in (triangulate._read_triangles, lambda: tetrahedra._read(domain, (), ())):
+        with (
+            triangulate.gmsh_model(),
+            pytest.raises(MeshError, match=r"; lower discretisation\.growth or raise cells_per_circle$"),
+        ):
+            read()

@@ -136,7 +136,7 @@ def test_images_match_to_1e9_of_a_period_or_not_at_all(off: float, match: bool) 
         pairs = matching_points(x, lattice)
         np.testing.assert_array_equal(np.sort(pairs.slave), [4, 5, 6, 7])
     else:
-        with pytest.raises(MeshError, match="two sides of a periodic domain do not match"):
+        with pytest.raises(MeshError, match="two sides of a periodic domain do not match; shift all bodies"):
             matching_points(x, lattice)
 
 

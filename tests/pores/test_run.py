@@ -15,8 +15,8 @@ import pyvista as pv
 import fsi
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
-from fsi.integration.state import StepRecord
-from fsi.pores.instant import PoreInstant
+from fsi.models import make_evolution
+from fsi.pores.instant import FEW, PoreInstant
 from fsi.postprocess.render import canvas
 from fsi.postprocess.report import write_report
 from fsi.postprocess.run.probe import probe
@@ -24,7 +24,7 @@ from fsi.postprocess.run.run import Run, nodes, open_run
 from fsi.runs import resume, run
 from tests.commands import fsi_command
 from tests.ranks import needs_mpi, python_on
-from tests.small_run import contents
+from tests.small_run import break_off, contents
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -68,23 +68,13 @@ def test_xdmf_tells_of_each_small_triangle_which_pore_it_is_in(sheared: Run, tmp
     np.testing.assert_array_equal(read["psi"], written["psi"])
 
 
-class KilledError(Exception):
-    """In place of a signal."""
-
-
 @pytest.mark.parametrize(
     "sections", [{}, {"pores": {"modes": 0, "tolerance": 0.01}}], ids=["one", "tolerance"]
 )
 def test_a_resumed_run_is_the_unbroken_one_bit_by_bit(sections: dict[str, Any], tmp_path: Path) -> None:
     case = case_of(**sections)
     outcome = run(case, tmp_path / "whole")
-
-    def stop(record: StepRecord) -> None:
-        if record.step == outcome.state.step // 2:
-            raise KilledError
-
-    with pytest.raises(KilledError):
-        run(case, tmp_path / "broken", stop)
+    break_off(tmp_path / "broken", case, outcome.state.step // 2, make_evolution)
     assert resume(tmp_path / "broken").steps > 0
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
     if sections:
@@ -217,7 +207,7 @@ def test_what_needs_a_pressure_or_a_mesh_is_refused_by_name(
     run(case_of(domain=BOX, bodies=beside, time={"end": 0.01, "tolerance": 1e-2}), near)
     shown = "speed, vorticity, dissipation, necks, motion"  # in a box, without a pressure
     for arguments, words in (
-        (("render", near, "--field", "pressure"), "step 1; between pores there is a pressure only"),
+        (("render", near, "--field", "pressure"), f"of at most {FEW} bodies; raise pores.modes, or give"),
         (("render", near, "--field", "psi"), f"--field psi: give one of {shown}\n"),
         (("render", near, "--field", "traction"), f'model = "pores" has no mesh; give one of {shown}\n'),
         (("render", sheared.path, "--field", "mesh"), "has no mesh; give one of speed, pressure, "),

@@ -19,7 +19,6 @@ from fsi.cli.main import main
 from fsi.cli.solve import solve
 from fsi.comparison.motion import History, RateComparison, compare_rates
 from fsi.errors import InputError
-from fsi.integration.state import StepRecord
 from fsi.lubrication.named_laws import GapFilm, exact_law
 from fsi.models import make_model
 from fsi.postprocess.export import write_step_mesh
@@ -31,7 +30,7 @@ from fsi.runs import run as run_case
 from tests.exact_model import DiscsBesidePlane, by
 from tests.ranks import python_on
 from tests.reduced_data import INERTIA, heap, reduced_case
-from tests.small_run import contents, rows
+from tests.small_run import break_off, contents, rows
 
 SCHEMES: dict[str, dict[str, object]] = {
     "adaptive": {},
@@ -48,21 +47,11 @@ def case_of(scheme: str) -> Case:
     return reduced_case(bodies, reduced, time={"end": 0.8, "tolerance": 1e-3}, output={"interval": 0.2})
 
 
-class KilledError(Exception):
-    """In place of a signal."""
-
-
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_resumed_run_is_the_unbroken_one_bit_by_bit(scheme: str, tmp_path: Path) -> None:
     case = case_of(scheme)
     outcome = run_case(case, tmp_path / "whole", make=by(make_model))
-
-    def stop(record: StepRecord) -> None:
-        if record.step == outcome.state.step // 2:
-            raise KilledError
-
-    with pytest.raises(KilledError):
-        run_case(case, tmp_path / "broken", stop, make=by(make_model))
+    break_off(tmp_path / "broken", case, outcome.state.step // 2, by(make_model))
     assert resume(tmp_path / "broken", make=by(make_model)).steps > 0
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
 

@@ -15,31 +15,18 @@ from fsi.case.case import Case
 from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.case.load import load_case, named_files, read_toml
 from fsi.errors import InputError
-from fsi.integration.state import StepRecord
 from fsi.models import make_evolution
 from fsi.runs import MakeEvolution, resume, run
 from tests.commands import fsi_command
-from tests.exact_model import by
 from tests.reduced_data import heap, reduced_case
-from tests.small_run import launches, make_model, rows, small_case, start
+from tests.small_run import EXACT, break_off, launches, rows, small_case, start
 
 CASES = Path(__file__).parents[2] / "cases"
-EXACT = by(make_model)
-
-
-class StoppedError(Exception):
-    """Instead of a signal."""
 
 
 def stopped(folder: Path, case: Case, make: MakeEvolution = EXACT, step: int = 4) -> Path:
     """A run that was broken off after so many steps."""
-
-    def progress(record: StepRecord) -> None:
-        if record.step == step:
-            raise StoppedError
-
-    with pytest.raises(StoppedError):
-        run(case, folder, progress, make=make)
+    break_off(folder, case, step, make)
     return folder
 
 

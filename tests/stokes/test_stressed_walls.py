@@ -11,13 +11,14 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
-from fsi.integration.state import StepRecord
+from fsi.models import make_evolution
 from fsi.postprocess.analysis.chains import read_chains
 from fsi.postprocess.analysis.strain import shear_rate
 from fsi.postprocess.run.run import open_run
 from fsi.runs import resume, run
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
+from tests.small_run import break_off
 
 CASE = Path(__file__).parents[2] / "cases" / "couette_N10.toml"
 LIGHT = [f"discretisation.{size}" for size in ("degree=2", "cells_per_circle=12", "growth=0.8")]
@@ -137,23 +138,13 @@ def test_cells_under_a_stress_are_refused_where_nothing_would_follow_it(tmp_path
     assert not (tmp_path / "run").exists()
 
 
-class StoppedError(Exception):
-    """The run is broken off."""
-
-
 def test_a_run_of_a_cell_under_a_stress_goes_on_as_if_it_had_not_been_broken_off(tmp_path: Path) -> None:
     """Its lattice and the mesh that moves with it too; at each step the rate is the stress over viscosity."""
     light = ["discretisation.degree=2", "discretisation.cells_per_circle=10"]
     of_run = ["time={end=1.5, tolerance=1e-2, first_step=0.5, remesh='when-needed'}", "output.fields=false"]
     case = load_case(CELL, [*DRIVEN, f"fluid.viscosity={VISCOSITY}", *light, *of_run])
-
-    def stop(record: StepRecord) -> None:
-        if record.step == 1:
-            raise StoppedError
-
     run(case, tmp_path / "whole")
-    with pytest.raises(StoppedError):
-        run(case, tmp_path / "broken", stop)
+    break_off(tmp_path / "broken", case, 1, make_evolution)
     resume(tmp_path / "broken")
     whole, broken = (open_run(tmp_path / name) for name in ("whole", "broken"))
     table, again = whole.steps, broken.steps

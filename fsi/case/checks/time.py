@@ -47,7 +47,7 @@ def _check_contact(case: Case) -> None:
     smallest = LEAST * float(case.configuration().radii.min())
     smallest /= 1.0 - case.timing.gap_loss if case.level.flow else 1.0
     if least < (1.0 - ROUNDING) * smallest:
-        what = "a step from it ends below 1e-8 radii, the least gap that is resolved"
+        what = f"a step from it ends below {LEAST:g} radii, the least gap that is resolved"
         raise InputError(f"{here}: {what}; give {smallest:.3g}")
     start = nearest_gaps(case.configuration(), case.container()).smallest()
     if least >= start:

@@ -130,7 +130,7 @@ def _check_bodies(case: Case) -> float:
         key, count = f"bodies: {len(case.bodies)}", float(len(case.bodies))
     if case.model == "pores":
         key += f", with pores.modes = {case.pores.modes}"
-    require_memory(key, count * _of_body(case, _PORE_BYTES, _BODY_BYTES) / _SURE, "give fewer")
+    require_memory(key, count * _of_body(case, _PORE_BYTES, _BODY_BYTES), "give fewer", _SURE)
     return count
 
 
@@ -163,7 +163,7 @@ def require_room(case: Case, folder: Path) -> None:
     few = case.output.interval is None
     key = f"time.step = {time.step}" if few or rows > files else f"output.interval = {case.output.interval}"
     what = f"{key}: {steps:.2g} steps to time.end = {time.end:g}"
-    require_disk(what, (rows + files) / _SURE, "give longer ones", folder)
+    require_disk(what, rows + files, "give longer ones", folder, _SURE)
 
 
 def require_room_for_samples(case: Case, folder: Path) -> None:

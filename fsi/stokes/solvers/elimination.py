@@ -124,6 +124,7 @@ def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) 
     of_bodies = np.eye(layout.modes_of_each, COMPONENTS) * ~system.problem.motion.held[..., None]
     modes = np.arange(first_mode, first_mode + system.modes_here)
     of_pressures = np.arange(first_mode - pressures, first_mode)
+    D = np.concatenate([np.zeros(len(of_nodes)), mode_equations(system)[0][: system.modes_here]])
     films = film_matrix(system.problem, system.forms, mass)
     with levels(system.problem, system.forms) as hierarchy:
         blocks = SchurBlocks(
@@ -134,6 +135,7 @@ def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) 
             films=elimination.tied(films, of_pressures),
             closed=not system.problem.boundary.pressures,
             translations=np.concatenate([of_nodes, of_bodies.reshape(-1, COMPONENTS)[: system.modes_here]]),
+            D=D,
         )
         return Iteration(reduced, blocks, system.tolerance)
 

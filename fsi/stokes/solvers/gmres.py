@@ -20,6 +20,9 @@ alone in their place takes four times the iterations where a mesh has flat cells
 S' decides how many there are, but where flat cells spread the eigenvalues: there it saves half. The coarsest
 matrix of up to MOST_FACTORISED unknowns is factorised; beyond, it gets two cycles of smoothed aggregation. So
 the number of iterations does not grow with the mesh, nor in narrow gaps.
+
+Inertia D stands on the diagonal of modes, in A and A'. In short steps loads D U0 are so large that residuals
+relative to them would say nothing of the flow: what D alone makes of loads is taken off first (`_inert`).
 """
 
 from contextlib import AbstractContextManager
@@ -90,6 +93,7 @@ class SchurBlocks:
         films: of Reynolds' equation.
         closed: whether a constant pressure changes nothing.
         translations: of all free nodes and bodies, in the rows u, (rows, 3).
+        D: inertia on the diagonal of the rows u, (rows,).
     """
 
     u: NDArray[np.int64]
@@ -99,6 +103,7 @@ class SchurBlocks:
     films: PETSc.Mat
     closed: bool
     translations: Array
+    D: Array
 
 
 class Iteration(AbstractContextManager["Iteration"]):
@@ -116,8 +121,11 @@ class Iteration(AbstractContextManager["Iteration"]):
             null_space = PETSc.NullSpace().create(vectors=[self._constant], comm=matrix.comm)
             matrix.setNullSpace(null_space)
             null_space.destroy()
-        self._translations = np.zeros((matrix.getLocalSize()[0], COMPONENTS))
-        self._translations[blocks.u - start] = blocks.translations
+        diagonal = matrix.getDiagonal().array[blocks.u - start]
+        share, rows = blocks.D / diagonal, matrix.getLocalSize()[0]
+        self._of_inertia, self._translations = np.zeros(rows), np.zeros((rows, COMPONENTS))
+        self._of_inertia[blocks.u - start] = share / diagonal
+        self._translations[blocks.u - start] = blocks.translations * (1.0 - share)[:, None]
         self._of_translations = np.column_stack([multiply(matrix, t) for t in self._translations.T])
         self._ksp = _solver(matrix, blocks)
         self._ksp.setTolerances(rtol=tolerance, max_it=MOST_ITERATIONS)
@@ -130,16 +138,18 @@ class Iteration(AbstractContextManager["Iteration"]):
     def solve(self, b: Array) -> tuple[Array, Array]:
         """Solutions of `M x = b` for all columns of b, one after the other; collective.
 
-        b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks.
-        Raises SolveError: the iteration stagnates.
+        b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks,
+        with what is left of b when the motion of all and inertia are taken off. Raises SolveError: the
+        iteration stagnates.
         """
-        solutions, residuals = zip(*(self._solve_one(column) for column in b.T), strict=True)
+        solutions, residuals = zip(*(self._solve_one(column) for column in b.T.astype(float)), strict=True)
         return np.column_stack(solutions), np.array(residuals)
 
     def _solve_one(self, b: Array) -> tuple[Array, float]:
         x, right = self.matrix.createVecs()
-        c = self._carried(b)
-        right.array[:] = b - self._of_translations @ c
+        inert, left = self._inert(b)
+        c = self._carried(left)
+        right.array[:] = left - self._of_translations @ c
         if self._closed:
             right.axpy(-right.dot(self._constant), self._constant)
         size, residual, iterations, relative = right.norm(), right.duplicate(), 0, np.inf
@@ -157,12 +167,20 @@ class Iteration(AbstractContextManager["Iteration"]):
             raise SolveError(
                 f"the iterative solver stagnates: relative residual {apart(relative, self._tolerance)} after "
                 f"{iterations} iterations (bound {self._tolerance:g}); "
-                'set discretisation.solver = "direct", or change discretisation.cells_per_gap'
+                'set discretisation.solver = "direct"'
             )
-        values: Array = x.array + self._translations @ c
+        values: Array = x.array + self._translations @ c + inert
         for used in (x, right, residual):
             used.destroy()
         return values, relative
+
+    def _inert(self, b: Array) -> tuple[Array, Array]:
+        """What inertia alone makes of loads, and those that it leaves; twice, for what rounding leaves."""
+        found, left = np.zeros_like(b), b
+        for _ in range(2):
+            step = self._of_inertia * left
+            found, left = found + step, left - multiply(self.matrix, step)
+        return found, left
 
     def _carried(self, b: Array) -> Array:
         """The translation c that leaves least of b, (3,), where that is less than half; else 0; collective.

@@ -48,9 +48,10 @@ class Levels(AbstractContextManager["Levels"]):
     """The hierarchy; z of each level has its free nodal values and, last on rank 0, all modes.
 
     Attributes:
-        matrices: MIDDLE L on each level, the finest first, between modes with what laws below a gap resist;
-            ones on the diagonal for modes that are held. Each is T^T A T of the one before, but a product
-            of matrices takes longer than to add up its cells, on several ranks many times as long.
+        matrices: MIDDLE L on each level, the finest first, between modes with what laws below a gap resist
+            and with their inertia; ones on the diagonal for modes that are held. Each is T^T A T of the one
+            before, but a product of matrices takes longer than to add up its cells, on several ranks many
+            times as long.
         transfers: from each level to the next finer one, the finest first.
         translations: of everything, in z of the coarsest, this rank's rows, (rows, 3).
     """
@@ -100,6 +101,10 @@ def _approximate(
         resisted = _resisted(problem, problem.laws)
         rows = first_mode + np.arange(layout.modes_here)
         add_to_modes(matrix, rows, resisted[: layout.modes_here, : layout.modes_here])
+    if problem.inertia is not None:
+        for row, D in enumerate(problem.inertia.D.ravel()[: layout.modes_here], first_mode):
+            matrix.setValue(row, row, D, PETSc.InsertMode.ADD_VALUES)
+        matrix.assemble()
     rows = first_mode + np.flatnonzero(problem.motion.held.ravel())[: layout.modes_here]
     matrix.zeroRowsColumns(rows.astype(PETSc.IntType), diag=1.0)
     return matrix
