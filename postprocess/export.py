@@ -128,7 +128,8 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     read = open_run(run)
     step = read.step(step)
     if not read.case.level.meshed:
-        raise InputError(f'model = "{read.case.model}": only the resolved level has a mesh')
+        what = f'model = "{read.case.model}": only the resolved level has a mesh'
+        raise InputError(f"{what}; give a run of the case with --set model=resolved")
     q, container = read.meshed(step), read.container(step)
     domain = FluidDomain(container, q.centres, q.radii, placed=q.placed, ellipsoids=q.standing)
     cells = recover(read.files(step), domain)

@@ -34,7 +34,8 @@ def _explain_one(mistake: ErrorDetails, root: type[Section], data: Mapping[str, 
     if mistake["type"] == "unknown_key":
         key = mistake["ctx"]["key"]
         known = ", ".join(dotted((*path, word)) for word in mistake["ctx"]["known"])
-        return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; use {known} or drop it"
+        remedy = f"use {known} or drop it" if known else "drop it"
+        return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; {remedy}"
     remedy = f"give {_meaning(path, root, data)}"
     if mistake["type"] == "missing":
         return f"{dotted(path)}: missing; {remedy}"

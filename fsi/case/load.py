@@ -23,6 +23,7 @@ from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
 from fsi.case.complaints import explain
 from fsi.case.grids import with_grids
+from fsi.case.magnitudes import GIVEN, check_magnitudes
 from fsi.case.reduced import LAW_KEYS
 from fsi.case.section import CaseContext, Geometry, toml_data, toml_text, tuples
 from fsi.errors import InputError
@@ -100,8 +101,10 @@ def parse_case(data: Mapping[str, Any]) -> Case:
     geometry = data.get("geometry", "planar")
     if geometry not in get_args(Geometry.__value__):
         geometry = "planar"  # the schema says what is wrong
+    check_magnitudes(data, GIVEN)
     members = with_grids(with_arrangement(data), CaseContext(geometry))
     listed = with_bodies(members, tuple(Body.model_fields))
+    check_magnitudes(listed, ["bodies"])
     bodies = listed.get("bodies", ())
     context = CaseContext(geometry, len(bodies) if isinstance(bodies, tuple | list) else 0)
     try:

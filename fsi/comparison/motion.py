@@ -148,8 +148,13 @@ class RateComparison:
 def case_at_levels(case: Case, levels: Sequence[str], law: str | None = None) -> dict[str, Case]:
     """The case at each level, with another law of the reduced model if one is given.
 
-    Raises InputError if the case is not one for it.
+    Raises InputError if the case is not one for it, or a stress drives it: mean flows then differ.
     """
+    if case.domain.mean_drive().mean_stress is not None or case.wall_stress(0.0):
+        raise InputError(
+            "domain: a stress drives the mean flow, which is then another one at each level; give the rate "
+            "of shear, or velocities of walls, for the stress"
+        )
     if len(levels) < 2 or len(set(levels)) < len(levels) or not set(levels) <= set(MODELS):
         raise InputError(
             f"--levels {','.join(levels)}: give at least two different ones of {', '.join(MODELS)}"

@@ -57,10 +57,11 @@ class PressureField:
     def apart(self, other: PressureField) -> float:
         """The root of the mean square of what another one differs by, over that of p, at points of files.
 
-        Neither has the part of G.
+        Neither has the part of G. Of two that are nothing, nothing.
         """
         p, q = (each._periodic(each._fields.mesh(_ORDER), _ORDER) for each in (self, other))
-        return float(np.linalg.norm(p - q) / np.linalg.norm(p))
+        size, difference = (float(np.linalg.norm(of)) for of in (p, p - q))
+        return difference / size if difference else 0.0
 
     def _periodic(self, mesh: PoreMesh, order: int) -> Array:
         """Without the part of G."""

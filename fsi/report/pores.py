@@ -6,6 +6,7 @@ A force is the one that the FLUID exerts on the body, `-F`, as in `fsi.report.so
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -50,7 +51,7 @@ def solution_json(
         "bodies": bodies,
         "dissipation": float(found.dissipation),
         "dissipation_error": float(errors.dissipation),
-        "checks": {name: float(value) for name, value in found.checks.items()},
+        "checks": _checks(found),
         "pores": case.pores.model_dump(exclude_none=True) | {"count": found.pores, "most_modes": found.modes},
         "dofs": found.dofs,
         "necks": _necks(case, found, len(found.necks.gap)),
@@ -59,6 +60,11 @@ def solution_json(
     }
     data |= _stress(found, errors) | driven_json(found, errors)
     return data if truncated is None else data | {"truncation": dict(truncated)}
+
+
+def _checks(found: PoreInstant) -> dict[str, float]:
+    """Those that apply, as of the resolved flow: others are nan, which JSON does not have."""
+    return {name: float(value) for name, value in found.checks.items() if not isnan(value)}
 
 
 def _stress(found: PoreInstant, errors: ErrorEstimate) -> dict[str, Any]:
@@ -113,7 +119,7 @@ def print_solution(
         console.print(_necks_table(case, found))
     for line in (*_stress_lines(found, errors), *driven_lines(found, errors)):
         console.print(Text(line))
-    console.print(checks_table("check, relative", found.checks | truncation_checks(truncated)))
+    console.print(checks_table("check, relative", _checks(found) | truncation_checks(truncated)))
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in found.seconds.items())
     console.print(
         Text(

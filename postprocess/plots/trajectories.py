@@ -28,7 +28,8 @@ def paths(run: Run) -> Array:
     """Where the bodies were at all steps, (steps, N, 2): x and y, in space x and z. Raises InputError."""
     case = run.case
     if not case.names:
-        raise InputError(f"{run.path}: the run has no bodies, and so no trajectories")
+        what = f"{run.path}: the run has no bodies, and so no trajectories"
+        raise InputError(f"{what}; drop --paths or --relative")
     if case.axisymmetric:
         raise InputError(f"{run.path}: bodies stay on the axis; give --curves y")
     columns = list(_ACROSS[case.dimension])

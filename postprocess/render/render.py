@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 
 from fsi.errors import InputError
@@ -59,6 +60,8 @@ def render_run(
     animated = output.suffix in MOVIES
     if time is not None:
         painter.step(None)
+        if not isfinite(time):
+            raise InputError(f"--time {time:g}: give a finite number")
         step = int((painter.times - time).abs().idxmin())
     if animated and step is not None:
         raise InputError(f"output = {output}: shows all steps; give a .png file for one step")

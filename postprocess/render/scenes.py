@@ -179,7 +179,8 @@ def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.Uns
                 copy["psi"] += psi(x) - psi(x - e)
             copies.append(copy)
     together = pv.merge(copies, merge_points=False)
-    return together.clean(tolerance=_SAME_PLACE * view.half, remove_unused_points=False)
+    # VTK takes what pyvista calls a distance for a part of the size of all.
+    return together.clean(tolerance=_SAME_PLACE * view.half / together.length, remove_unused_points=False)
 
 
 def images(q: Configuration, container: Container, view: View) -> tuple[Configuration, NDArray[np.int64]]:

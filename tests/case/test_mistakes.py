@@ -173,15 +173,6 @@ def test_only_what_is_round_swims() -> None:
     assert message(data).startswith("bodies.0.surface_velocity = [1.0]: its modes are those of discs")
 
 
-@pytest.mark.parametrize("model", ["resolved", "gluey"])
-def test_places_have_squares_that_are_numbers(model: str) -> None:
-    """The tree of neighbours overflows beyond 1e154; of grids and files the name of a body tells."""
-    far = {"name": "far", "radius": 1.0, "position": [1e160, 0.0]}
-    data = {key: value for key, value in BOX.items() if key != "time"}
-    said = "bodies: position [1e+160, 0.0] of 'far' is too large for numbers; give lengths in another unit"
-    assert message(data | {"model": model, "bodies": [far]}) == said
-
-
 def test_a_swimmer_on_an_axis_goes_along_it() -> None:
     ball = {"name": "ball", "radius": 1.0, "position": [0.0, 0.0], "surface_velocity": [1.0], "angle": 0.3}
     data = BOX | {"geometry": "axisymmetric", "domain": {"shape": "round", "radius": 3.0}, "bodies": [ball]}

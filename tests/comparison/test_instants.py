@@ -12,9 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 from fsi.case.case import Case
-from fsi.case.load import load_case
+from fsi.case.load import load_case, parse_case
 from fsi.cli.main import app
 from fsi.comparison.instants import compare_instants, instants_json
+from fsi.comparison.motion import case_at_levels
 from fsi.errors import InputError
 from fsi.models import make_model
 from tests.reduced_data import reduced_case
@@ -98,3 +99,20 @@ def test_a_level_that_only_steps_needs_a_time(tmp_path: Path) -> None:
     assert isinstance(result.exception, InputError)
     assert "time: missing" in str(result.exception)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "domain",
+    [
+        {"shape": "cell", "vectors": [[6.0, 0.0], [0.0, 6.0]], "stress": 2.0},
+        CHANNEL | {"walls": {"top": {"stress": 2.0}}},
+    ],
+)
+def test_levels_under_a_stress_have_different_mean_flows_and_are_not_compared(
+    domain: dict[str, object],
+) -> None:
+    """Of images gaps were those at rest: 0.0068 in place of 0.2014 of a cell sheared by a stress."""
+    case = reduced_case([{"name": "b", "radius": 1.0, "position": [1.0, 2.0]}], {"drag": 12.0})
+    data = case.as_data() | {"domain": domain, "model": "pores"}
+    with pytest.raises(InputError, match="give the rate of shear, or velocities of walls"):
+        case_at_levels(parse_case(data), ["pores", "resolved"])

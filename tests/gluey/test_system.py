@@ -168,14 +168,6 @@ def test_a_wall_has_the_direction_of_its_normal_of_any_length(size: float) -> No
         case_of({"position": [0.0, 0.4]}, gluey={"walls": walls})
 
 
-@pytest.mark.parametrize(("radius", "size"), [(1e-200, "small"), (1e-300, "small"), (1e200, "large")])
-def test_a_radius_without_a_moment_of_inertia_is_refused(radius: float, size: str) -> None:
-    """Its fourth power in the plane, and its fifth in space, round to 0 or infinity."""
-    line = rf"^bodies: radius {radius:g} of 'b0' is too {size} for numbers; give lengths in another unit$"
-    with pytest.raises(InputError, match=line.replace("+", r"\+")):
-        case_of({"position": [0.0, 0.0], "radius": radius})
-
-
 @pytest.mark.parametrize(("variant", "after"), [("shifted", 0.0), ("cone", -3.0)])
 def test_what_an_impulse_pulls_is_overpaid_by_the_cone_alone(variant: str, after: float) -> None:
     """A held disc turns from 1 to -3 at once, with a disc of mass 3 that it has brought to 1: gamma = -3.

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import fsi
 from fsi.bodies.configuration import Array
@@ -286,3 +287,13 @@ def test_files_of_many_bodies_have_none(tmp_path: Path, monkeypatch: pytest.Monk
     assert "pressure" not in many.mesh(0).point_data
     assert "p" not in probe(many, [[0.0, 0.0]])
     assert np.isfinite(fsi.solve(many.case).evaluate([[0.0, 0.0]])[1]).all()
+
+
+@pytest.mark.filterwarnings("error")
+def test_where_nothing_moves_the_pressure_is_nothing() -> None:
+    held = {"velocity": [0.0, 0.0], "angular_velocity": 0.0}
+    u, p = fsi.solve(in_cell({}, domain=CHANNEL, bodies=[body | held for body in BODIES])).evaluate(
+        [[0.1, 0.1]]
+    )
+    assert_array_equal(u, [[0.0, 0.0]])
+    assert_array_equal(p, [0.0])

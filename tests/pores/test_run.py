@@ -212,7 +212,10 @@ def test_what_needs_a_pressure_or_a_mesh_is_refused_by_name(
         (("render", near, "--field", "traction"), f'model = "pores" has no mesh; give one of {shown}\n'),
         (("render", sheared.path, "--field", "mesh"), "has no mesh; give one of speed, pressure, "),
         (("mesh", file, "-o", tmp_path / "a.msh"), "only the resolved level has a mesh"),
-        (("mesh", sheared.path, "-o", tmp_path / "a.msh"), "only the resolved level has a mesh"),
+        (
+            ("mesh", sheared.path, "-o", tmp_path / "a.msh"),
+            "give a run of the case with --set model=resolved",
+        ),
         (("resistance", file), "so it has no resistance matrix"),
     ):
         assert fsi_command(*arguments) == 2, arguments
@@ -243,6 +246,26 @@ def test_loaded_bodies_have_no_upper_bound(tmp_path: Path, capsys: pytest.Captur
     file.write_text(case_of(time=None, bodies=PULLED).as_toml())
     assert fsi_command("solve", file, "--json") == 0
     assert json.loads(capsys.readouterr().out)["upper_bound"] is False
+
+
+def no_number(word: str) -> float:
+    """JSON has neither NaN nor Infinity."""
+    raise AssertionError(word)
+
+
+def test_checks_that_do_not_apply_are_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Bodies with loads have no viscosity that three ways agree on; the resolved flow leaves it out, too."""
+    file = tmp_path / "case.toml"
+    for bodies, applies in ((PULLED, False), (case_of().as_data()["bodies"], True)):
+        file.write_text(case_of(time=None, bodies=bodies).as_toml())
+        assert fsi_command("solve", file, "--json") == 0
+        checks = json.loads(capsys.readouterr().out, parse_constant=no_number)["checks"]
+        assert {"stress", "viscosity_bound"} <= checks.keys() if applies else "stress" not in checks
+        assert checks.keys() >= {"residual", "power", "momentum"}
+        assert fsi_command("solve", file) == 0
+        table = capsys.readouterr().out
+        assert "nan" not in table
+        assert ("viscosity_bound" in table) == applies
 
 
 def test_chains_plots_and_reports_read_such_runs(

@@ -8,8 +8,6 @@ from fsi.case.checks.without_flow import ROUNDING, check_estimates, check_rest
 from fsi.case.section import refusal, toml_text
 from fsi.errors import InputError
 
-_LARGEST = 1e60  # radii up to this, and down to its inverse, have fifth powers
-
 
 def check_gluey(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
@@ -17,23 +15,11 @@ def check_gluey(case: Case) -> None:
         raise InputError("bodies: missing; give [[bodies]], [[grids]] or bodies_from")
     check_estimates(case)
     check_rest(case)
-    _check_radii(case)
     _check_walls(case)
     _check_names(case)
     for k, force in enumerate(case.forces):
         force.require_contact(f"forces.{k}")
     _check_contacts(case)
-
-
-def _check_radii(case: Case) -> None:
-    """Moments of inertia of uniform bodies are numbers, and so are their inverses."""
-    for body in case.bodies:
-        if not 1.0 / _LARGEST <= body.radius <= _LARGEST:
-            size = "small" if body.radius < 1.0 else "large"
-            raise InputError(
-                f"bodies: radius {body.radius:g} of {body.name!r} is too {size} for numbers; give lengths in "
-                "another unit"
-            )
 
 
 def _check_walls(case: Case) -> None:

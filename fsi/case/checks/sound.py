@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fsi.bodies.configuration import Configuration
-from fsi.bodies.gaps import find_gaps, wall_gaps
+from fsi.bodies.gaps import find_gaps, gap_to_image, wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks.determined import check_determined, check_flux, check_stress
 from fsi.case.checks.gluey import check_gluey
@@ -23,13 +23,13 @@ from fsi.case.section import refusal, toml_text
 from fsi.case.sections import HIGHEST_DEGREE
 from fsi.case.series import Component, is_zero
 from fsi.errors import InputError
-from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.container import Container, lengths
+from fsi.meshes.geometry.lattice import Lattice, positive
 
 # A gap is touching when it is no larger than what rounding makes of coordinates of this size.
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
 # Times the size of a periodic domain: a body so far away has its image to nine digits.
 _FARTHEST = 1e6
-_NUMBERS = 1e150  # coordinates up to this have squares
 _TAKEN = {"fluid": "fluid", "outside": "space outside the domain"}
 
 
@@ -37,7 +37,6 @@ def check_case(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
     case.domain.require_shapes()
     _check_names(case)
-    _check_places(case)
     if case.axisymmetric:
         _check_axis(case)
     _check_loads(case)
@@ -53,14 +52,6 @@ def check_case(case: Case) -> None:
     if case.model in _OF_LEVEL:
         _OF_LEVEL[case.model](case)
     check_time(case)
-
-
-def _check_places(case: Case) -> None:
-    """Distances have squares; those who are told may come from a grid or a file, so by their name."""
-    for body in case.bodies:
-        if max(map(abs, body.position)) > _NUMBERS:
-            where = f"position {toml_text(body.position)} of {body.name!r}"
-            raise InputError(f"bodies: {where} is too large for numbers; give lengths in another unit")
 
 
 # What else a level wants.
@@ -134,14 +125,19 @@ def _check_room(case: Case) -> None:
 
 
 def _check_periods(case: Case, q: Configuration, container: Container) -> None:
-    """No disc or sphere is wider than a period: of a cell so thin images without end would be listed."""
-    shortest = np.linalg.norm(container.periods, axis=-1).min(initial=np.inf)
-    if len(q) and not q.shaped and shortest <= 2.0 * q.radii.max():
-        i = int(np.argmax(q.radii))
-        raise InputError(
-            f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: bodies {case.names[i]!r} and "
-            f"its image overlap or touch (gap {shortest - 2.0 * q.radii[i]:.6g}); move them apart"
-        )
+    """No body overlaps the images next to it: of one that is wide images without end would be listed."""
+    if len(q) == 0 or len(container.periods) == 0:
+        return
+    lattice = Lattice(container.periods)
+    near = lattice.near()
+    away = lattice.shift(near[positive(near)])
+    for i in np.flatnonzero(2.0 * q.radii >= lengths(away).min()):
+        gaps = (gap_to_image(q, int(i), apart) for apart in away)
+        for gap in (gap for gap in gaps if gap <= 0.0):
+            raise InputError(
+                f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: bodies {case.names[i]!r} and "
+                f"its image overlap or touch (gap {gap:.6g}); move them apart"
+            )
 
 
 def _largest_coordinate(q: Configuration, container: Container) -> float:

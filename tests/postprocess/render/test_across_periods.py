@@ -28,6 +28,16 @@ def test_pressure_goes_on_from_period_to_period() -> None:
     assert flow.bounds[1] - flow.bounds[0] >= 2.0
 
 
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e6, 1e9])
+def test_images_share_the_nodes_of_their_ends_and_no_others(size: float) -> None:
+    """Three squares side by side have 8 nodes; with a tolerance in place of a part of the size, 1 at 1e9."""
+    grid = one_period()
+    grid.points *= size
+    channel = Box((0.0, 0.0), (size, size), periodic=("x",))
+    flow = tiled(grid, channel, View(size * np.array([0.5, 0.5]), 0.9 * size))
+    assert (flow.n_cells, flow.n_points) == (6, 8)
+
+
 @pytest.mark.parametrize("shift", [0.0, 3.0])
 def test_gap_to_the_nearest_image(shift: float) -> None:
     """Discs at 0.1 and 0.95 - or periods away - face each other across the end of the period."""

@@ -14,7 +14,7 @@ from PIL.GifImagePlugin import GifImageFile
 
 import fsi
 from fsi.errors import InputError
-from fsi.postprocess.plots.trajectories import space_time_figure
+from fsi.postprocess.plots.trajectories import plot_paths, space_time_figure
 from fsi.postprocess.render import canvas
 from fsi.postprocess.render.profile import ProfileArtist, _ends, _scales, profile_figure
 from fsi.postprocess.render.render import render_run
@@ -105,6 +105,11 @@ def test_an_animation_says_on_a_terminal_how_far_it_is(blocks: Run, monkeypatch:
 def test_impossible_choices(blocks: Run, choice: Choice, message: str) -> None:
     with pytest.raises(InputError, match=message):
         render_run(blocks, blocks.path / "a.png", choice)
+
+
+def test_what_has_no_bodies_has_no_trajectories(blocks: Run) -> None:
+    with pytest.raises(InputError, match=r"no bodies, and so no trajectories; drop --paths or --relative$"):
+        plot_paths(blocks, blocks.path / "paths.png")
 
 
 def test_space_and_time_of_a_macroscopic_run(blocks: Run) -> None:
