@@ -61,7 +61,9 @@ class Contacts:
 def find_contacts(centres: Array, radii: Array, room: Room, reach: float) -> Contacts:
     """All pairs of bodies, and of bodies and walls, whose gap is at most `reach`."""
     N, W = len(centres), len(room.points)
-    pairs, shift = neighbours(centres, room.container, 2.0 * float(radii.max(initial=0.0)) + reach)
+    # No nearest image is farther than a periodic room is large, however far a step looks.
+    farthest = min(reach, room.container.size()) if len(room.container.periods) else reach
+    pairs, shift = neighbours(centres, room.container, 2.0 * float(radii.max(initial=0.0)) + farthest)
     i, j = pairs[:, 0], pairs[:, 1]
     separation = centres.take(j, axis=0) - centres.take(i, axis=0)
     if len(room.container.periods):

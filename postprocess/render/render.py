@@ -56,12 +56,12 @@ def render_run(
     require_suffix(output, *STILLS, *MOVIES)
     if choice.size < 100:
         raise InputError(f"--size {choice.size}: give at least 100 pixels")
+    if time is not None and not isfinite(time):
+        raise InputError(f"--time {time:g}: give a finite number")
     painter = artist(run, choice)
     animated = output.suffix in MOVIES
     if time is not None:
         painter.step(None)
-        if not isfinite(time):
-            raise InputError(f"--time {time:g}: give a finite number")
         step = int((painter.times - time).abs().idxmin())
     if animated and step is not None:
         raise InputError(f"output = {output}: shows all steps; give a .png file for one step")
