@@ -213,3 +213,9 @@ def test_what_has_no_room_leaves_no_half_file(tmp_path: Path, suffix: str) -> No
     assert done.stdout.count("\n") == 1
     assert done.stderr == ""
     assert [(path, path.read_text()) for path in tmp_path.iterdir()] == [(output, "old")]
+
+
+@pytest.mark.parametrize("time", [np.nan, np.inf])
+def test_no_step_is_near_a_time_that_is_no_number(time: float, run: Path) -> None:
+    with pytest.raises(InputError, match=f"^--time {time:g}: give a finite number$"):
+        render_run(fsi.open_run(run), run / "flow.png", Choice(), time=time)
