@@ -47,3 +47,12 @@ def instant(case: Case) -> ReducedInstant:
     found = make_model(case)(case.configuration(), 0.0)
     assert isinstance(found, ReducedInstant)
     return found
+
+
+def disc(name: str, x: float, y: float, radius: float = 1.0) -> dict[str, object]:
+    return {"name": name, "radius": radius, "position": [x, y], "force": [0.0, -1.0]}
+
+
+PLANE = {"shape": "half-plane", "radius": 1000.0}
+LARGE = {"shape": "round", "radius": 1e4}
+EQUAL, UNEQUAL = [disc("a", 0.0, 9.0), disc("b", 3.0, 9.0)], [disc("a", 0.0, 9.0), disc("b", 5.0, 9.0, 3.0)]

@@ -13,7 +13,7 @@ from fsi.errors import SolveError
 from fsi.lubrication.expansions import EXPONENTS, LawShape, basis, coefficients
 from fsi.lubrication.fitting import CONFIDENCE, Fit, fit_series
 from fsi.lubrication.free_exponent import PLANAR, REVOLVED, fit_exponent
-from fsi.lubrication.laws import Term
+from fsi.lubrication.profiles import Term
 from fsi.run_folder.provenance import launch
 
 

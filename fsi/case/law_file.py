@@ -35,8 +35,9 @@ from fsi.errors import InputError
 from fsi.files import replace
 from fsi.lubrication.expansions import EXPONENTS, LawShape, Mode, Shape
 from fsi.lubrication.fitting import band
-from fsi.lubrication.laws import LubricationLaw, Profile, ScaledLaw, Series, TabulatedProfile, Term
+from fsi.lubrication.laws import LubricationLaw, ScaledLaw
 from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
+from fsi.lubrication.profiles import Profile, Series, TabulatedProfile, Term
 
 # Forms that have a section of their own.
 _SAMPLED = ("series", "table")

@@ -5,7 +5,7 @@ Velocities are force / viscosity, volumes length^3, powers force^2 / viscosity: 
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from fsi.case.section import refusal
@@ -22,38 +22,33 @@ def check_magnitudes(data: Mapping[str, Any], sections: Iterable[str]) -> None:
 
     Raises InputError: the first, with its key. What is no finite number is the schema's to refuse.
     """
-    for key, value in _values({name: data[name] for name in sections if name in data}, ""):
-        last = key.rpartition(".")[2]
-        size = max((abs(number) for number in _numbers(value)), default=0.0)
-        small = 0.0 < size < SMALLEST and last not in _PLACES
-        if (small or size > LARGEST) and last not in _NO_UNIT:
+    for name in sections:
+        if name in data and (found := _first(data[name], name)):
+            keys, value = found
             bounds = f"{SMALLEST:g} to {LARGEST:g} in size"
-            raise refusal(key, value, f"too small or too large for numbers, {bounds}; give other units")
+            what = f"too small or too large for numbers, {bounds}; give other units"
+            raise refusal(".".join(keys), value, what)
 
 
-def _values(data: Any, key: str) -> Iterator[tuple[str, Any]]:
-    """The numbers and lists of numbers in nested tables, with their dotted keys."""
-    match data:
-        case dict():
-            entries: Iterable[tuple[Any, Any]] = data.items()
-        case list() | tuple() if any(isinstance(item, dict) for item in data):
-            entries = enumerate(data)
-        case _:
-            yield key, data
-            return
-    for name, value in entries:
-        yield from _values(value, f"{key}.{name}" if key else str(name))
+def _first(data: Any, name: str) -> tuple[tuple[str, ...], Any] | None:
+    """The first that is too small or too large in nested tables, and its keys from `name` on."""
+    if isinstance(data, dict):
+        entries: Iterable[tuple[Any, Any]] = data.items()
+    elif isinstance(data, list | tuple) and any(isinstance(item, dict) for item in data):
+        entries = enumerate(data)
+    else:
+        size = _size(data)
+        small = 0.0 < size < SMALLEST and name not in _PLACES
+        return ((name,), data) if (small or size > LARGEST) and name not in _NO_UNIT else None
+    for key, value in entries:
+        if found := _first(value, str(key)):
+            return (name, *found[0]), found[1]
+    return None
 
 
-def _numbers(value: Any) -> Iterator[float]:
-    """The finite ones in nested lists."""
-    match value:
-        case list() | tuple():
-            for item in value:
-                yield from _numbers(item)
-        case bool():
-            return
-        case int():
-            yield value
-        case float() if math.isfinite(value):
-            yield value
+def _size(value: Any) -> float:
+    """The largest finite number in nested lists; 0 where there is none."""
+    if isinstance(value, list | tuple):
+        return max(map(_size, value), default=0.0)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return abs(value) if is_number and (isinstance(value, int) or math.isfinite(value)) else 0.0

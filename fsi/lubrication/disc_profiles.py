@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from fsi.lubrication.exact import Array, bipolar_angle, less_tanh
 from fsi.lubrication.expansions import Mode, overlap_of
-from fsi.lubrication.laws import distinct
+from fsi.lubrication.profiles import distinct
 from fsi.lubrication.two_discs import rolling, sliding
 
 _PANEL = 2.0

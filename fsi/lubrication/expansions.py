@@ -22,7 +22,7 @@ forms of `fsi.lubrication.exact` and `two_discs`. Tests compare them with the ex
 from math import inf, pi, sqrt
 from typing import Literal
 
-from fsi.lubrication.laws import Series, Term
+from fsi.lubrication.profiles import Series, Term
 
 type Shape = Literal["spheres", "discs"]
 type LawShape = Shape | Literal["shapes"]  # of a pair of which one is of another shape, or a wall is

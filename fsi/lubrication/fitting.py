@@ -19,7 +19,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.lubrication.laws import Array, Term
+from fsi.lubrication.profiles import Array, Term
 
 CONFIDENCE = 1.959963984540054  # standard deviations of a 95 % interval
 CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is believed

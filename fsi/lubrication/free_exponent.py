@@ -21,7 +21,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 
 from fsi.lubrication.fitting import CONSISTENT, Fit, design, regression
-from fsi.lubrication.laws import Array, Term
+from fsi.lubrication.profiles import Array, Term
 
 FREE = 3  # of the terms, the first ones, have no prior
 NATURAL = 10.0  # size of the others over c_1: of tips c_2 and c_3 come to eight times that

@@ -16,7 +16,8 @@ from fsi.lubrication import sphere_beside_plane, spheres
 from fsi.lubrication.disc_profiles import disc_profile
 from fsi.lubrication.exact import gap_ratio
 from fsi.lubrication.expansions import EXPONENTS, MODES, Mode, Shape, expansion
-from fsi.lubrication.laws import Array, LubricationLaw, Profile, ScaledLaw, Series, TabulatedProfile, Term
+from fsi.lubrication.laws import LubricationLaw, ScaledLaw
+from fsi.lubrication.profiles import Array, Profile, Series, TabulatedProfile, Term
 
 # A spline of degree 5 through so many points per factor of ten is good to 1e-9 (see the tests).
 _POINTS = 30

@@ -25,7 +25,7 @@ import numpy as np
 from fsi.lubrication import sphere_beside_plane
 from fsi.lubrication.exact import Array
 from fsi.lubrication.expansions import Mode, basis, expansion
-from fsi.lubrication.laws import Series, Term
+from fsi.lubrication.profiles import Series, Term
 from fsi.lubrication.two_spheres import pair_matrix
 
 MOST_UNEQUAL = 5.0  # beyond, narrow gaps take many multipoles: minutes, and more than `two_spheres` has

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 
 from fsi.lubrication.expansions import SHAPES, Mode, Shape, basis, coefficients
 from fsi.lubrication.fitting import Fit, band, design, fit_series, regression
-from fsi.lubrication.laws import Array
 from fsi.lubrication.named_laws import exact_resistance
+from fsi.lubrication.profiles import Array
 
 CASES: list[tuple[Shape, Mode, float]] = [
     ("spheres", "squeeze", inf),

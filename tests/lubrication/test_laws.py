@@ -13,16 +13,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fsi.errors import InputError
 from fsi.lubrication import exact, spheres
 from fsi.lubrication.expansions import MODES, SHAPES, Shape
-from fsi.lubrication.laws import (
-    CutLaw,
-    LubricationLaw,
-    RangeError,
-    ScaledLaw,
-    Series,
-    TabulatedProfile,
-    Term,
-)
+from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError, ScaledLaw
 from fsi.lubrication.named_laws import GapFilm, exact_law, exact_resistance, leading_law, slides_law
+from fsi.lubrication.profiles import Series, TabulatedProfile, Term
 
 MU = 0.7
 SPHERES, DISCS = GapFilm("spheres", MU), GapFilm("discs", MU)

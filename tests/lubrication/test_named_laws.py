@@ -11,8 +11,9 @@ import pytest
 
 from fsi.case.law_file import read_law_file
 from fsi.errors import InputError
-from fsi.lubrication.laws import ScaledLaw, Series, Term
+from fsi.lubrication.laws import ScaledLaw
 from fsi.lubrication.named_laws import LAWS, GapFilm, named
+from fsi.lubrication.profiles import Series, Term
 from fsi.models import make_model
 from tests.reduced_data import reduced_case
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 from pathlib import Path
@@ -13,8 +12,7 @@ import pytest
 import pyvista as pv
 
 import fsi
-from fsi.case.case import Case
-from fsi.case.load import load_case, parse_case
+from fsi.case.load import load_case
 from fsi.models import make_evolution
 from fsi.pores.instant import FEW, PoreInstant
 from fsi.postprocess.render import canvas
@@ -23,32 +21,11 @@ from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import Run, nodes, open_run
 from fsi.runs import resume, run
 from tests.commands import fsi_command
+from tests.pore_cases import BOX, PULLED, case_of
 from tests.ranks import needs_mpi, python_on
 from tests.small_run import break_off, contents
 
 CASES = Path(__file__).parents[2] / "cases"
-
-DATA: dict[str, Any] = {
-    "name": "sheared",
-    "model": "pores",
-    "fluid": {"viscosity": 1.0},
-    "domain": {"shape": "cell", "vectors": [[5.0, 0.0], [0.0, 4.0]], "shear": 1.0},
-    "bodies": [
-        {"name": "one", "radius": 1.0, "position": [1.6, 1.5]},
-        {"name": "other", "radius": 0.7, "position": [3.3, 2.2]},
-    ],
-    "time": {"end": 0.2, "tolerance": 1e-3},
-    "output": {"interval": 0.1},
-}
-BOX = {"lower": [0.0, 0.0], "upper": [5.0, 4.5]}
-PULLED = [
-    {"name": "one", "radius": 1.0, "position": [1.6, 1.5], "force": [1.0, 0.5]},
-    {"name": "other", "radius": 0.7, "position": [3.8, 2.9]},
-]
-
-
-def case_of(**sections: Any) -> Case:
-    return parse_case(DATA | sections)
 
 
 @pytest.fixture(scope="module")
@@ -223,51 +200,6 @@ def test_what_needs_a_pressure_or_a_mesh_is_refused_by_name(
     assert not (tmp_path / "a.msh").exists()
 
 
-def test_solve_prints_bodies_necks_and_that_the_viscosity_is_an_upper_bound(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "case.toml"
-    file.write_text(case_of(time=None).as_toml())
-    assert fsi_command("solve", file) == 0
-    text = capsys.readouterr().out
-    assert "an upper bound" in text
-    assert "necks that dissipate most" in text
-    assert fsi_command("solve", file, "--json") == 0
-    data = json.loads(capsys.readouterr().out)
-    assert data["upper_bound"] is True
-    assert data["apparent_viscosity_error"] > 0.0
-    assert data["necks"][0]["dissipation"] == max(neck["dissipation"] for neck in data["necks"])
-    assert data["pores"]["modes"] == 1
-    assert [body["name"] for body in data["bodies"]] == ["one", "other"]
-
-
-def test_loaded_bodies_have_no_upper_bound(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file = tmp_path / "case.toml"
-    file.write_text(case_of(time=None, bodies=PULLED).as_toml())
-    assert fsi_command("solve", file, "--json") == 0
-    assert json.loads(capsys.readouterr().out)["upper_bound"] is False
-
-
-def no_number(word: str) -> float:
-    """JSON has neither NaN nor Infinity."""
-    raise AssertionError(word)
-
-
-def test_checks_that_do_not_apply_are_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Bodies with loads have no viscosity that three ways agree on; the resolved flow leaves it out, too."""
-    file = tmp_path / "case.toml"
-    for bodies, applies in ((PULLED, False), (case_of().as_data()["bodies"], True)):
-        file.write_text(case_of(time=None, bodies=bodies).as_toml())
-        assert fsi_command("solve", file, "--json") == 0
-        checks = json.loads(capsys.readouterr().out, parse_constant=no_number)["checks"]
-        assert {"stress", "viscosity_bound"} <= checks.keys() if applies else "stress" not in checks
-        assert checks.keys() >= {"residual", "power", "momentum"}
-        assert fsi_command("solve", file) == 0
-        table = capsys.readouterr().out
-        assert "nan" not in table
-        assert ("viscosity_bound" in table) == applies
-
-
 def test_chains_plots_and_reports_read_such_runs(
     sheared: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -290,23 +222,3 @@ def test_pictures(field: str, sheared: Run, tmp_path: Path) -> None:
     picture = tmp_path / "picture.png"
     assert fsi_command("render", sheared.path, "--field", field, "--size", 150, "-o", picture) == 0
     assert picture.stat().st_size > 1000
-
-
-@pytest.mark.parametrize(("most", "there"), [(2, True), (1, False)])
-def test_the_viscosity_of_a_few_bodies_is_bounded_from_below(
-    most: int,
-    there: bool,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Of so many that it would take longer than all else it is left out."""
-    monkeypatch.setattr("fsi.pores.instant.FEW", most)
-    file = tmp_path / "case.toml"
-    file.write_text(case_of(time=None).as_toml())
-    assert fsi_command("solve", file) == 0
-    assert ("an upper bound; at least" in capsys.readouterr().out) == there
-    assert fsi_command("solve", file, "--json") == 0
-    data = json.loads(capsys.readouterr().out)
-    assert (data["lower_bound"] is not None) == there
-    assert not there or data["lower_bound"] < data["apparent_viscosity"]
