@@ -1,6 +1,7 @@
 """Files that appear complete or not at all, where users may have theirs, and how those are read."""
 
 import json
+import math
 import os
 import tempfile
 from collections.abc import Callable, Iterator
@@ -108,6 +109,22 @@ def data_of(path: Path, kind: str, parse: Callable[[str], Any], remedy: str) -> 
 def json_of(path: Path, remedy: str) -> Any:
     """The data of a JSON file. Raises InputError."""
     return data_of(path, "JSON", json.loads, remedy)
+
+
+def json_text(data: Any, indent: int | None = None) -> str:
+    """Data as JSON, which has neither NaN nor infinite numbers: null for these."""
+    return json.dumps(_finite(data), indent=indent)
+
+
+def _finite(data: Any) -> Any:
+    match data:
+        case dict():
+            return {key: _finite(item) for key, item in data.items()}
+        case list() | tuple():
+            return [_finite(item) for item in data]
+        case float() if not math.isfinite(data):
+            return None
+    return data
 
 
 def plain(data: Any, depth: int = 0) -> Any:

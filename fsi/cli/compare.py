@@ -1,6 +1,5 @@
 """`fsi compare` and `fsi limit`: one case at several levels, and one gap as the viscosity vanishes."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -41,7 +40,7 @@ def compare(
     """
     from fsi.comparison.instants import compare_instants
     from fsi.comparison.motion import case_at_levels, require_motion, run_levels
-    from fsi.files import require_folder
+    from fsi.files import json_text, require_folder
     from fsi.report.progress import ProgressBar
 
     case = load(case_file, overrides)
@@ -57,7 +56,7 @@ def compare(
             run_levels(cases, folder, bar.show)
     data = parallel.on_root(lambda: _compare(cases, folder, at_once, quiet=as_json))
     if parallel.is_root() and as_json:
-        typer.echo(json.dumps(data))
+        typer.echo(json_text(data))
     elif parallel.is_root():
         typer.echo(f"wrote {folder}/comparison.json" + (" and .png" if case.time is not None else ""))
 
@@ -67,7 +66,7 @@ def _compare(
 ) -> dict[str, Any]:
     """The instants, and the runs in a folder, on root: printed unless it is quiet, and kept as JSON."""
     from fsi.comparison.instants import instants_json
-    from fsi.files import replace
+    from fsi.files import json_text, replace
     from fsi.report.studies import print_instants
 
     case, data = next(iter(cases.values())), instants_json(at_once)
@@ -76,7 +75,7 @@ def _compare(
     if case.time is not None:
         data |= _compare_runs(cases, folder, quiet=quiet)
     folder.mkdir(parents=True, exist_ok=True)
-    replace(folder / "comparison.json", (json.dumps(data) + "\n").encode())
+    replace(folder / "comparison.json", (json_text(data) + "\n").encode())
     return data
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 from fsi.bodies.configuration import LOADS, MODES, PLACES, Array, Configuration
@@ -97,7 +98,8 @@ class RateComparison:
 
     Attributes:
         t: times of its steps, shape (T,).
-        gap, reduced_gap: smallest gap of each body along the two trajectories, shape (T, N).
+        gap, reduced_gap: smallest gap of each body along the two trajectories, shape (T, N); NaN after the
+            end of the reduced run.
         velocity: resolved, shape (T, N, d).
         reduced_velocity: of the reduced model at the resolved configurations, shape (T, N, d).
         sample_gap, rate, reduced_rate: of S samples (time and pair), shape (S,).
@@ -124,21 +126,30 @@ class RateComparison:
         good = np.cumsum(self.rate_error[order] <= limit) >= PART * np.arange(1, len(order) + 1)
         return float(self.sample_gap[order][good][-1]) if np.any(good) else None
 
+    @property
+    def common(self) -> NDArray[np.bool_]:
+        """Which times both runs have, (T,)."""
+        known: NDArray[np.bool_] = ~np.isnan(self.reduced_gap).any(axis=1)
+        return known
+
     def bodies(self) -> list[dict[str, float]]:
         """Of each body the largest differences over time, of velocities over its largest resolved speed.
 
-        One that is held at rest moves alike in both, which is a difference of 0.
+        Gaps are compared as long as both runs go on. One that is held at rest moves alike in both, which is a
+        difference of 0; so are the gaps of one that meets nothing, which are infinite.
         """
         speed = np.linalg.norm(self.velocity, axis=2).max(axis=0)
         speed = np.where(speed > 0.0, speed, 1.0)
         off = np.linalg.norm(self.reduced_velocity - self.velocity, axis=2)
-        gaps = np.abs(self.reduced_gap - self.gap) / self.gap
+        gap, reduced_gap = self.gap[self.common], self.reduced_gap[self.common]
+        with np.errstate(invalid="ignore"):
+            gaps = np.nan_to_num(np.abs(reduced_gap / gap - 1.0))
         return [
             {
                 "velocity_difference": float(off[:, i].max() / speed[i]),
                 "final_velocity_difference": float(off[-1, i] / speed[i]),
-                "final_gap": float(self.gap[-1, i]),
-                "final_reduced_gap": float(self.reduced_gap[-1, i]),
+                "final_gap": float(gap[-1, i]),
+                "final_reduced_gap": float(reduced_gap[-1, i]),
                 "gap_difference": float(gaps[:, i].max()),
             }
             for i in range(len(speed))
@@ -228,11 +239,13 @@ def compare_rates(case: Case, resolved: History, reduced: History) -> RateCompar
         samples.append(np.column_stack([pairs.gap, *rates]))
     table = np.vstack(samples)
     table = table[table[:, 1] != 0.0]
-
+    both = resolved.t <= reduced.t[-1]
+    reduced_gap = np.full(resolved.centres.shape[:2], np.nan)
+    reduced_gap[both] = _gaps_over_time(case, resolved.t[both], reduced.at(resolved.t[both]))
     return RateComparison(
         resolved.t,
         _gaps_over_time(case, resolved.t, resolved.centres),
-        _gaps_over_time(case, resolved.t, reduced.at(resolved.t)),
+        reduced_gap,
         resolved.U[:, :, :d],
         np.array(velocities),
         *table.T,

@@ -86,7 +86,9 @@ def print_rates(console: Console, case: Case, found: RateComparison) -> None:
         "largest dD / D": ("gap_difference", ".2g"),
     }
     title = f"{case.name}: reduced against resolved"
-    shown = table(("body",), tuple(columns), title=title, title_justify="left")
+    end = found.t[found.common][-1]
+    ends = "" if found.common.all() else f"gaps until t = {end:.6g}, where the reduced run ends"
+    shown = table(("body",), tuple(columns), title=title, title_justify="left", caption=ends or None)
     for name, row in zip(case.names, found.bodies(), strict=True):
         shown.add_row(name, *(format(row[key], digits) for key, digits in columns.values()))
     console.print(shown)

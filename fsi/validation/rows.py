@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -17,7 +16,7 @@ from fsi.case.load import load_case, override, parse_case
 from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError
-from fsi.files import write_whole
+from fsi.files import json_text, write_whole
 from fsi.lubrication.exact_results import EXACT, ExactProblem
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
@@ -207,12 +206,7 @@ def write_rows(rows: Sequence[Row], folder: Path) -> None:
     Each file appears whole. Raises InputError: the disk refuses.
     """
     records = [row.record for row in rows]
-    no_nan = [
-        {key: None if isinstance(x, float) and not np.isfinite(x) else x for key, x in record.items()}
-        for record in records
-    ]
-    text = json.dumps(no_nan, indent=1)
-    write_whole(folder / "validation.json", text + "\n")
+    write_whole(folder / "validation.json", json_text(records, indent=1) + "\n")
     write_whole(folder / "validation.csv", _csv(records))
     if ratios := sphere_records(rows):
         write_whole(folder / "sphere_wall_ratios.csv", _csv(ratios))

@@ -72,13 +72,16 @@ def _draw_gaps(axes: Axes, names: Sequence[str], comparison: RateComparison) -> 
 
 def _draw_rate_errors(axes: Axes, comparison: RateComparison) -> None:
     """Relative errors of the rates of all gaps, at the same configurations."""
+    axes.set(xlabel="gap D", ylabel="|error of D'| / |D'|", title="rate of a gap, at the same configuration")
+    if not len(comparison.sample_gap):
+        axes.text(0.5, 0.5, "no gap within reach", ha="center", transform=axes.transAxes)
+        return
     error = np.maximum(comparison.rate_error, 1e-6)
     axes.loglog(comparison.sample_gap, error, ".", color=BLUE, ms=4, alpha=0.5)
     for limit in LIMITS:
         axes.axhline(limit, color="black", lw=0.8, ls=":")
         if (good := comparison.good_below(limit)) is not None:
             axes.plot([good], [limit], "v", color=ORANGE)
-    axes.set(xlabel="gap D", ylabel="|error of D'| / |D'|", title="rate of a gap, at the same configuration")
 
 
 def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, path: Path) -> None:

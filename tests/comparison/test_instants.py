@@ -76,6 +76,20 @@ def test_a_viscosity_that_is_no_number_compares_with_none(monkeypatch: pytest.Mo
         json.dumps(instants_json(found), allow_nan=False)
 
 
+def test_what_symmetry_makes_zero_has_no_relative_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spins of 1e-5 of the speeds are the solve's; those of 1e-2 are compared: 0 is 100 % off."""
+
+    def at(case: Case) -> Callable[..., SimpleNamespace]:
+        U = np.array([[2.0, 1.0, 0.0], [2.0, -1.0, spin if case.drag == 5.0 else 0.0], [1.0, 0.0, 0.0]])
+        return lambda *_: SimpleNamespace(U=U, record={})
+
+    monkeypatch.setattr("fsi.comparison.instants.make_model", at)
+    spin = 1e-5
+    assert compare_instants({"a": three_discs(5.0), "b": three_discs(50.0)})["b"].spins is None
+    spin = 1e-2
+    assert compare_instants({"a": three_discs(5.0), "b": three_discs(50.0)})["b"].spins == 1.0
+
+
 def test_a_case_without_time_is_compared_at_its_instant(tmp_path: Path) -> None:
     """Resolved and reduced: what is printed is what the file holds, and no picture is made."""
     path, folder = tmp_path / "case.toml", tmp_path / "out"

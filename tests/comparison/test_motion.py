@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from fsi.bodies.configuration import Configuration
+from fsi.case.case import Case
+from fsi.comparison.motion import History, compare_rates, rates_json
+from fsi.files import json_text
+from fsi.postprocess.plots.studies import plot_comparison
+from fsi.reduced.model import ReducedModel
 from tests.cli.test_commands import ROOT, call
 from tests.ranks import needs_mpi, python_on
+from tests.reduced_data import reduced_case
 
 LATE = """
 import sys, time
@@ -37,3 +46,41 @@ def test_a_rank_that_looks_late_does_what_the_others_do(tmp_path: Path) -> None:
     done = call(*python_on(2), "-c", LATE, str(case), str(tmp_path / "out"), timeout=120.0)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / "reduced" / "state.npz").exists()
+
+
+def test_gaps_are_compared_as_long_as_both_runs_go_on(tmp_path: Path) -> None:
+    """The reduced run ends at t = 0.4 with a gap of 0.4, the resolved one has 0.6 there."""
+    bodies = [{"name": "disc", "radius": 1.0, "position": [3.0, 2.0], "force": [0.0, -4.0]}]
+    case = reduced_case(bodies, {"drag": 12.0, "cutoff": 1.5})
+    resolved, reduced = (falling(case, t, fall) for t, fall in ((0.8, 1.0), (0.4, 1.5)))
+    found = compare_rates(case, resolved, reduced)
+    assert found.common.tolist() == [t <= 0.4 for t in resolved.t.tolist()]
+    (row,) = found.bodies()
+    assert row["final_gap"] == pytest.approx(0.6)
+    assert row["final_reduced_gap"] == pytest.approx(0.4)
+    assert row["gap_difference"] == pytest.approx(1.0 / 3.0)
+    data = json.loads(json_text(rates_json(case.names, "lubrication", found)))
+    assert data["reduced_gap"][-1] == [None]
+    plot_comparison(case.names, found, tmp_path / "of.png")
+
+
+def test_a_body_that_meets_nothing_has_no_rates_to_compare(tmp_path: Path) -> None:
+    """JSON has no infinite gaps, and the axes of an empty plot no numbers: it says so, without a warning."""
+    body = {"name": "disc", "radius": 0.1, "position": [3.0, 5.0]}
+    case = reduced_case([body], {"drag": 2.0, "cutoff": 0.1})
+    history = falling(case, 1.0, 0.0)
+    found = compare_rates(case, history, history)
+    assert not len(found.sample_gap)
+    assert json.loads(json_text(rates_json(case.names, "lubrication", found)))["smallest_gap"] is None
+    plot_comparison(case.names, found, tmp_path / "of.png")
+
+
+def falling(case: Case, end: float, speed: float) -> History:
+    """A history of the first body at a constant speed, under the loads of the reduced model."""
+    t = np.linspace(0.0, end, 5)
+    start = case.configuration().centres
+    centres = start - np.multiply.outer(t, np.array([[0.0, speed]]))
+    model = ReducedModel(case)
+    F = np.array([model(Configuration.unturned(x, case.configuration().radii), 0.0).F for x in centres])
+    U = np.broadcast_to(np.array([0.0, -speed, 0.0]), F.shape)
+    return History(t, centres, U, F)
