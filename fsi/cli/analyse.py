@@ -24,7 +24,6 @@ analyse = typer.Typer(
     help="Tell which chains of discs resist, how long contacts remember, or how well a body settles.\n\n"
     "Prints a table, and draws a picture into the run folder: chains.png, memory.png or settling.png.",
     epilog=EXAMPLE,
-    no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="markdown",
 )

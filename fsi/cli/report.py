@@ -61,7 +61,9 @@ def probe(
     plane: Annotated[
         str | None, option("On a grid over a rectangle, corner to corner.", False, metavar="X,Y,X,Y")
     ] = None,
-    points: Annotated[Path | None, option("At the points of a CSV file, x,y.", False, metavar="FILE")] = None,
+    points: Annotated[
+        Path | None, option("At the points of a CSV file: columns x,y.", False, metavar="FILE")
+    ] = None,
     count: Annotated[int, option("Points along the line, or a side of the grid.", min=2)] = 11,
     step: Step = None,
     output: Annotated[Path | None, output_to("A CSV file.", "the terminal")] = None,
@@ -71,11 +73,12 @@ def probe(
     The values are the finite element's own; between pores velocities are interpolated to some 1e-3 of the
     largest, pressures to 2e-2. `where` names the body that holds a point, or says `outside`.
     Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,
-    and a rectangle lies across one of the axes.
+    and a rectangle lies across one of the axes. A CSV file with a heading names these columns there, among
+    others and in any order; one without has them first.
     """
     import numpy as np
 
-    from fsi.postprocess.run.probe import on_plane, read_points, write_values
+    from fsi.postprocess.run.probe import letters_of, on_plane, read_points, write_values
     from fsi.postprocess.run.probe import probe as values_at
     from fsi.postprocess.run.run import open_run
 
@@ -88,7 +91,7 @@ def probe(
         run = open_run(folder)
         d = run.case.dimension
         if points is not None:
-            return values_at(run, read_points(points, d), step)
+            return values_at(run, read_points(points, letters_of(run)), step)
         place, option = (np.linspace, "--line") if line is not None else (on_plane, "--plane")
         ends = numbers(option, line or plane or "", 2 * d)
         total = float(count) if line is not None else float(count) ** 2

@@ -29,6 +29,7 @@ FLUID = "fluid"
 OUTSIDE = "outside"
 # Curved sides follow circles to 1e-5 radii or better: a point that is on a body to rounding counts as fluid.
 _TOLERANCE = 1e-4
+_BRIEF = 80  # letters of a heading that is told
 _SAME_PLACE = 1e-12  # of the size of the domain: a mesh has images to rounding, and neighbours in narrow gaps
 
 
@@ -43,8 +44,7 @@ def probe(run: Run, points: ArrayLike, step: int | None = None) -> pd.DataFrame:
 
     Raises InputError: the run has no fields of that step, or those are no points.
     """
-    letters = "rz" if run.case.axisymmetric else "xyz"[: run.case.dimension]
-    step = run.step(step)
+    letters, step = letters_of(run), run.step(step)
     points = given_points(points, run.case.dimension)
     fluid, container = run.mesh(step), run.container(step)
     table = pd.DataFrame(dict(zip(letters, points.T, strict=True)) | {"where": FLUID})
@@ -56,6 +56,11 @@ def probe(run: Run, points: ArrayLike, step: int | None = None) -> pd.DataFrame:
         table[name] = np.nan
         table.loc[inside, name] = known
     return table
+
+
+def letters_of(run: Run) -> str:
+    """Of the coordinates of a run."""
+    return "rz" if run.case.axisymmetric else "xyz"[: run.case.dimension]
 
 
 def given_points(points: ArrayLike, d: int) -> Array:
@@ -195,21 +200,28 @@ def on_plane(corner: Sequence[float], opposite: Sequence[float], count: int) -> 
     return points
 
 
-def read_points(path: Path, dimension: int = 2) -> Array:
-    """The first columns of a CSV file, with or without a heading, (n, dimension). Raises InputError."""
-    wanted = "x,y" if dimension == 2 else "x,y,z"
-    remedy = f"give a CSV file of {wanted}"
+def read_points(path: Path, letters: str = "xy") -> Array:
+    """Points of a CSV file, (n, d): its columns of these letters, or the first ones if it has no heading.
+
+    Raises InputError.
+    """
+    remedy = f"give a CSV file of {','.join(letters)}"
     try:
         text = io.StringIO(data_of(path, "CSV", str, remedy))
-        frame = pd.read_csv(text, header=None, comment="#", skipinitialspace=True).iloc[:, :dimension]
-        numbers = frame.apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+        words = pd.read_csv(text, header=None, comment="#", skipinitialspace=True, dtype=str)
     except ValueError as error:
         raise InputError(f"points = {path}: cannot be read ({error}); {remedy}") from None
+    numbers = words.apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    columns: Sequence[int] = range(len(letters))
     if len(numbers) and np.isnan(numbers[0]).all():
-        numbers = numbers[1:]
-    if numbers.shape[1:] != (dimension,) or not len(numbers) or not np.isfinite(numbers).all():
-        what = f"points = {path}: has lines without {dimension} numbers"
-        raise InputError(f"{what}; give a CSV file of {wanted}")
+        heading = [str(word).strip() for word in words.iloc[0]]
+        if not set(letters) <= set(heading):
+            wanted, has = ",".join(letters), ",".join(heading)[:_BRIEF]
+            raise InputError(f"points = {path}: the heading {has} has not all of {wanted}; {remedy}")
+        columns, numbers = [heading.index(letter) for letter in letters], numbers[1:]
+    numbers = numbers[:, columns] if numbers.shape[1] >= len(letters) else np.full((1, 1), np.nan)
+    if not len(numbers) or not np.isfinite(numbers).all():
+        raise InputError(f"points = {path}: has lines without {len(letters)} numbers; {remedy}")
     return np.asarray(numbers)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import fsi
 from fsi.errors import InputError
-from fsi.postprocess.run.probe import on_plane, probe
+from fsi.postprocess.run.probe import on_plane, probe, read_points
 from tests.postprocess.spatial_run import write_spatial_run
 
 
@@ -55,3 +55,36 @@ def test_rectangles_lie_across_an_axis() -> None:
     np.testing.assert_allclose(grid[5], [2.0, 1.0, 0.0])
     with pytest.raises(InputError, match=r"--plane 0,1,0,1,2,3: give corners that share exactly one"):
         on_plane([0.0, 1.0, 0.0], [1.0, 2.0, 3.0], 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "letters"),
+    [
+        ("1,2\n3,4\n", "xy"),
+        ("x,y\n1,2\n3,4\n", "xy"),
+        ("# of a mesh\nname, y, u, x\na, 2, 0, 1\nb, 4, 0, 3\n", "xy"),
+        ("z,r\n2,1\n4,3\n", "rz"),
+    ],
+)
+def test_points_are_the_columns_that_the_heading_names(text: str, letters: str, tmp_path: Path) -> None:
+    """They were the first two, whatever they were called; (1, 2) and (3, 4) in all of these files."""
+    (tmp_path / "points.csv").write_text(text)
+    assert read_points(tmp_path / "points.csv", letters).tolist() == [[1.0, 2.0], [3.0, 4.0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("r,z\n1,2\n", "the heading r,z has not all of x,y; give a CSV file of x,y"),
+        ("x,y\n1\n", "has lines without 2 numbers"),
+        ("x,y\n", "has lines without 2 numbers"),
+        ("1\n2\n", "has lines without 2 numbers"),
+        ("1,2\n3,inf\n", "has lines without 2 numbers"),
+        ("1,2\n3,four\n", "has lines without 2 numbers"),
+        ("", "cannot be read"),
+    ],
+)
+def test_points_that_are_none(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "points.csv").write_text(text)
+    with pytest.raises(InputError, match=said):
+        read_points(tmp_path / "points.csv")
