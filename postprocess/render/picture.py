@@ -245,6 +245,6 @@ def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
 
 
 def _write_gif(pictures: Iterable[Picture], path: Path) -> None:
-    first, *others = (Image.fromarray(picture).quantize(128) for picture in pictures)
+    first, *others = (Image.fromarray(picture).quantize(256) for picture in pictures)
     duration = 1000 // _PER_SECOND
     first.save(path, format="GIF", save_all=True, append_images=others, duration=duration, loop=0)
