@@ -52,6 +52,7 @@ DAMAGE: list[tuple[str, str, Callable[[Path], object]]] = [
     ("resume", "state.npz", _pipe),
     ("resume", "state.npz", Path.unlink),
     ("resume", "bodies.csv", _edited(".", ".#")),
+    ("resume", "bodies.csv", _edited("\n0,0.0,", "\n0,nan,")),
     ("resume", "provenance.json", _written(b"[1, 2]")),
     ("resume", "provenance.json", _written(b'{"format": 3, "launches": 3}')),
     ("resume", "provenance.json", _written(b"[" * 3000)),
