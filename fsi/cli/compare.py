@@ -89,7 +89,8 @@ def _compare_runs(cases: "dict[str, Case]", folder: Path, *, quiet: bool) -> dic
 
     runs = {level: open_run(folder / level) for level in cases}
     histories = {
-        level: History.of_table(case, runs[level].columns("bodies")) for level, case in cases.items()
+        level: History.of_tables(case, runs[level].columns("bodies"), runs[level].columns("steps"))
+        for level, case in cases.items()
     }
     paths = trajectories(cases, histories)
     data, picture = comparison_json(paths), folder / "comparison.png"

@@ -10,12 +10,13 @@ D' of gaps,
     gap rates    |D' - D' of the first| / |D' of the first|, of the N narrowest gaps of N bodies
 
 with the root of the sum of squares over the bodies, or gaps. Velocities and rates of images are those of
-their bodies with the lattice's. What symmetry makes zero is so in no solve, and has no relative error: what
-is below a thousandth of the speeds |u - u_inf| and |omega| a of the first.
+their bodies with the lattice's. Where a stress drives the mean flow each level has the one that it finds.
+What symmetry makes zero is so in no solve, and has no relative error: what is below a thousandth of the
+speeds |u - u_inf| and |omega| a of the first.
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from time import process_time
 from typing import Any
 
@@ -23,6 +24,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.models import make_model
 from fsi.reduced.enclosure import Enclosure, make_enclosure, with_flow
@@ -35,7 +37,7 @@ ZERO = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class LevelAtInstant:
-    """What one level gives, and its errors; None is where the first level has nothing to compare with.
+    """What one level gives, and its errors; None where it, or the first level, has nothing to compare.
 
     Attributes:
         apparent_viscosity: over that of the fluid.
@@ -56,36 +58,47 @@ def compare_instants(cases: Mapping[str, Case]) -> dict[str, LevelAtInstant]:
 
     Raises InputError or SolveError where one of them fails.
     """
-    found: dict[str, LevelAtInstant] = {}
-    first: tuple[Array, Array] | None = None
     asked = {level: case for level, case in cases.items() if case.level.viscous}
-    for level, case in asked.items() if len(asked) > 1 else ():
-        began = process_time()
-        instant = make_model(case)(case.configuration(), 0.0)
-        spent = process_time() - began
-        U, rates, mu = instant.U, _narrowest_rates(case, instant.U), instant.record.get("apparent_viscosity")
-        if first is None:
-            first, of_first = (U, rates), mu
-        found[level] = replace(_errors(case, first, (U, rates)), seconds=spent)
-        if mu is not None and of_first is not None and np.isfinite([mu, of_first]).all():
-            both = {"apparent_viscosity": float(mu), "viscosity": float(mu / of_first - 1.0)}
-            found[level] = replace(found[level], **both)
-    return found
+    if len(asked) < 2:
+        return {}
+    found = {level: _found(case) for level, case in asked.items()}
+    first = next(iter(found.values()))
+    return {level: _against(first, here) for level, here in found.items()}
 
 
-def _errors(case: Case, first: tuple[Array, Array], here: tuple[Array, Array]) -> LevelAtInstant:
-    """Without viscosity."""
-    d, q = case.dimension, case.configuration()
-    (U, rates), mean = first, _surroundings(case).background(q.centres)
-    relative, turning = U[:, :d] - mean[:, :d], q.radii[:, None] * U[:, d:]
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """What a level gives: its mean flow, in the case; velocities, rates of gaps; a viscosity or None."""
+
+    case: Case
+    U: Array
+    rates: Array
+    mu: float | None
+    seconds: float
+
+
+def _found(case: Case) -> _Found:
+    began = process_time()
+    instant = make_model(case)(case.configuration(), 0.0)
+    spent = process_time() - began
+    driven, mu = _at_found_rates(case, instant.record), instant.record.get("apparent_viscosity", np.nan)
+    known = float(mu) if np.isfinite(mu) else None
+    return _Found(driven, instant.U, _narrowest_rates(driven, instant.U), known, spent)
+
+
+def _against(first: _Found, here: _Found) -> LevelAtInstant:
+    d, q = first.case.dimension, first.case.configuration()
+    mean = _surroundings(first.case).background(q.centres)
+    relative, turning = first.U[:, :d] - mean[:, :d], q.radii[:, None] * first.U[:, d:]
     least = ZERO * max(float(np.linalg.norm(part)) for part in (relative, turning))
+    off = here.U - first.U
     return LevelAtInstant(
-        apparent_viscosity=None,
-        viscosity=None,
-        velocities=_ratio(here[0][:, :d] - U[:, :d], relative, least),
-        spins=_ratio(here[0][:, d:] - U[:, d:], U[:, d:], least / float(q.radii.max(initial=1.0))),
-        gap_rates=_ratio(here[1] - rates, rates, least),
-        seconds=0.0,
+        apparent_viscosity=here.mu,
+        viscosity=None if here.mu is None or first.mu is None else here.mu / first.mu - 1.0,
+        velocities=_ratio(off[:, :d], relative, least),
+        spins=_ratio(off[:, d:], first.U[:, d:], least / float(q.radii.max(initial=1.0))),
+        gap_rates=_ratio(here.rates - first.rates, first.rates, least),
+        seconds=here.seconds,
     )
 
 
@@ -93,6 +106,18 @@ def _ratio(off: Array, first: Array, least: float) -> float | None:
     """|off| / |first|; None where the latter is no more than `least`."""
     size = float(np.linalg.norm(first))
     return float(np.linalg.norm(off)) / size if size > least else None
+
+
+def _at_found_rates(case: Case, record: Mapping[str, float]) -> Case:
+    """The case with the rate of shear, or the velocity of a wall, that its stress drives at a level."""
+    data = case.as_data()
+    domain, still = data["domain"], [0.0] * (case.dimension - 1)
+    if "shear_rate" in record:
+        del domain["stress"]
+        domain["shear"] = float(record["shear_rate"])
+    for wall in case.wall_stress(0.0):
+        domain["walls"][wall] = [float(record[f"speed_{wall}"]), *still]
+    return parse_case(data)
 
 
 def _narrowest_rates(case: Case, U: Array) -> Array:

@@ -9,7 +9,7 @@ rate D', `|D'_reduced - D'_resolved| / |D'_resolved|`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -40,21 +40,28 @@ PART = 0.9
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """The bodies at T times: t (T,), centres (T, N, d), U and the loads on the fluid F (T, N, M)."""
+    """The bodies at T times: t (T,), centres (T, N, d), U and the loads on the fluid F (T, N, M).
+
+    Of a cell that a stress shears `strain` tells by how much it has at any times (t,).
+    """
 
     t: Array
     centres: Array
     U: Array
     F: Array
+    strain: Callable[[Array], Array] = np.zeros_like
 
     @classmethod
-    def of_table(cls, case: Case, table: Mapping[str, Array]) -> History:
-        """From the columns of bodies.csv."""
+    def of_tables(cls, case: Case, table: Mapping[str, Array], steps: Mapping[str, Array]) -> History:
+        """From the columns of bodies.csv and steps.csv."""
         N, d = len(case.bodies), case.dimension
         x = np.stack([table[name].reshape(-1, N) for name in PLACES[d][:d]], axis=2)
         U = np.stack([table[name].reshape(-1, N) for name in MODES[d]], axis=2)
         F = np.stack([table[name].reshape(-1, N) for name in LOADS[d]], axis=2)
-        return cls(table["t"].reshape(-1, N)[:, 0], x, U, F)
+        t = table["t"].reshape(-1, N)[:, 0]
+        if "strain" not in steps:
+            return cls(t, x, U, F)
+        return cls(t, x, U, F, CubicHermiteSpline(steps["t"], steps["strain"], steps["shear_rate"]))
 
     def at(self, t: Array) -> Array:
         """The centres at other times, by cubic interpolation, (t, N, d)."""
@@ -159,13 +166,8 @@ class RateComparison:
 def case_at_levels(case: Case, levels: Sequence[str], law: str | None = None) -> dict[str, Case]:
     """The case at each level, with another law of the reduced model if one is given.
 
-    Raises InputError if the case is not one for it, or a stress drives it: mean flows then differ.
+    Raises InputError if the case is not one for it.
     """
-    if case.domain.mean_drive().mean_stress is not None or case.wall_stress(0.0):
-        raise InputError(
-            "domain: a stress drives the mean flow, which is then another one at each level; give the rate "
-            "of shear, or velocities of walls, for the stress"
-        )
     if len(levels) < 2 or len(set(levels)) < len(levels) or not set(levels) <= set(MODELS):
         raise InputError(
             f"--levels {','.join(levels)}: give at least two different ones of {', '.join(MODELS)}"
@@ -214,7 +216,7 @@ def trajectories(cases: Mapping[str, Case], histories: Mapping[str, History]) ->
     for level, history in histories.items():
         # Where a model takes steps of given length its velocities jump, on contact for instance.
         centres = history.at(t) if cases[level].level.viscous else history.between(t)
-        gaps[level] = _gaps_over_time(cases[level], t, centres)
+        gaps[level] = _gaps_over_time(cases[level], t, centres, history.strain(t))
     return Trajectories(t, gaps)
 
 
@@ -241,10 +243,11 @@ def compare_rates(case: Case, resolved: History, reduced: History) -> RateCompar
     table = table[table[:, 1] != 0.0]
     both = resolved.t <= reduced.t[-1]
     reduced_gap = np.full(resolved.centres.shape[:2], np.nan)
-    reduced_gap[both] = _gaps_over_time(case, resolved.t[both], reduced.at(resolved.t[both]))
+    t, at_rest = resolved.t, np.zeros_like(resolved.t)
+    reduced_gap[both] = _gaps_over_time(case, t[both], reduced.at(t[both]), at_rest[both])
     return RateComparison(
-        resolved.t,
-        _gaps_over_time(case, resolved.t, resolved.centres),
+        t,
+        _gaps_over_time(case, t, resolved.centres, at_rest),
         reduced_gap,
         resolved.U[:, :, :d],
         np.array(velocities),
@@ -252,13 +255,16 @@ def compare_rates(case: Case, resolved: History, reduced: History) -> RateCompar
     )
 
 
-def _gaps_over_time(case: Case, t: Array, centres: Array) -> Array:
-    """The smallest gap of each body for centres (T, N, d) at times t, (T, N); 0 in contact."""
+def _gaps_over_time(case: Case, t: Array, centres: Array, strain: Array) -> Array:
+    """The smallest gap of each body for centres (T, N, d) at times t, (T, N); 0 in contact.
+
+    strain: by which a stress has sheared the lattice, (T,).
+    """
     radii, container = case.configuration().radii, case.container()
     gaps = np.array(
         [
-            smallest_of_each(Configuration.unturned(x, radii), container.at(at))
-            for at, x in zip(t.tolist(), centres, strict=True)
+            smallest_of_each(Configuration.unturned(x, radii), container.at(at, by))
+            for at, x, by in zip(t.tolist(), centres, strain.tolist(), strict=True)
         ]
     )
     return without_rounding(gaps, float(radii.min(initial=np.inf)))

@@ -130,8 +130,8 @@ def test_a_run_compared_with_itself(
     reduced = {"drag": 12.0, "cutoff": 1.5}
     case = reduced_case(bodies, reduced, time={"end": 0.3, "tolerance": 1e-2}, **more)
     run_case(case, tmp_path / "run", make=by(make_model))
-    table = open_run(tmp_path / "run").columns("bodies")
-    history = History.of_table(case, table)
+    run = open_run(tmp_path / "run")
+    history = History.of_tables(case, run.columns("bodies"), run.columns("steps"))
     found = compare_rates(case, history, history)
     assert max(body["velocity_difference"] for body in found.bodies()) < 1e-6
     assert found.good_below(1e-6) == found.sample_gap.max()
