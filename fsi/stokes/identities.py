@@ -24,6 +24,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import RefusedError, apart
 from fsi.observables.truncation import BOUND
 from fsi.stokes.corners import distance, jumps
+from fsi.stokes.discretisation.shared_rows import Index
 from fsi.stokes.solvers.system import (
     NodalSolution,
     StokesSystem,
@@ -53,57 +54,71 @@ class Scales:
     flux: float
 
 
+@dataclass(frozen=True, slots=True)
+class _Tested:
+    """Velocities that powers are of, at this rank's nodes, d of each.
+
+    Attributes:
+        u, slip: of the fluid, and along surfaces; the latter is empty where nothing slides.
+        weighted: w u, (velocities,).
+        moved: w (u - slip), with which surfaces move.
+        friction: what w slip dissipates.
+        near_jumps: whether w is not 1 everywhere.
+    """
+
+    u: Array
+    slip: Array
+    weighted: Array
+    moved: Array
+    friction: float
+    near_jumps: bool
+
+    @property
+    def speed(self) -> Array:
+        """|u| + |slip|, (velocities,)."""
+        return np.abs(self.u) + (np.abs(self.slip) if self.slip.size else 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Sums:
+    """Over the nodes of all ranks.
+
+    Attributes:
+        force, moment: nodal loads: both vanish.
+        power: of walls and loads, less friction.
+        forces, moments: sizes of nodal loads, and of these times |x|.
+        squares, speeds, levers: of velocities and slips: squares, sizes, and these times |x|.
+        loads: squares of what is given, b.b.
+    """
+
+    force: Array
+    moment: Array
+    power: float
+    forces: float
+    moments: float
+    squares: float
+    speeds: float
+    levers: float
+    loads: float
+
+
 def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation: float) -> dict[str, float]:
     """All relative defects; u and p of the forms are set to the solution, F = rigid^T lambda; collective.
 
     dissipation: of the discrete flow, finite.
     """
-    layout, x = system.layout, system.nodes.x
-    velocities, d = layout.velocities, layout.dimension
-    at_walls = layout.fixed[layout.fixed < velocities]
-    boundary = np.concatenate([at_walls, layout.on_body])
-    load = system.b.copy()
-    load[boundary] += nodal.reaction[boundary]
-    force = load[:velocities].reshape(-1, d)
-    moment = np.cross(x, force) if d == 3 else x[:, :1] * force[:, 1:] - x[:, 1:] * force[:, :1]
-    if layout.axisymmetric:
-        force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
-    u, w = nodal.x[:velocities], _away_from_jumps(system)
-    weight = 1.0 if w is None else np.repeat(w, d)
-    tested = weight * u
-    moved, friction, slip = tested, 0.0, np.zeros(0)
-    if system.facets is not None:
-        # What slides does no work on the surface, but against the friction there.
-        every_slip = slip_of(system, nodal)
-        slip, forces = every_slip[:velocities], system.facets.forces(every_slip)[0][:velocities]
-        slid = weight * slip
-        moved, friction = tested - slid, float(forces @ slid)
-    power = float(nodal.reaction[at_walls] @ moved[at_walls] + system.b[:velocities] @ tested) - friction
-    # What the mean flow and the mean pressure gradient of a periodic domain do on its sides.
-    is_flow = layout.slave < velocities
-    jumping, of_pressure = np.concatenate([layout.slave[is_flow], layout.on_body]), layout.slave[~is_flow]
-    power += float(nodal.reaction[jumping] @ system.g[jumping])
-    power -= float(nodal.reaction[of_pressure] @ system.g[of_pressure])
-    lever = _lengths(x) * _lengths(force)
-    b_b = system.b[:velocities] @ system.b[:velocities]
-    speed = np.abs(u) + (np.abs(slip) if slip.size else 0.0)
-    u_u, all_u, lever_u = u @ u + slip @ slip, speed.sum(), _lengths(x) @ speed.reshape(-1, d).sum(axis=1)
-    of_rank = [power, np.abs(force).sum(), lever.sum(), u_u, all_u, lever_u, b_b]
-    sums = np.array([*of_rank, *force.sum(axis=0), *moment.sum(axis=0)])
-    layout.comm.Allreduce(MPI.IN_PLACE, sums)
-    parts, force_sum, moment_sum = np.split(sums, [7, 7 + d])
-    power_of_walls_and_loads, all_forces, all_moments, u_u, all_u, lever_u, b_b = parts
-    floor = _floor(system, u_u, all_u, lever_u, b_b)
+    tested = _tested(system, nodal)
+    sums = _sums(system, nodal, tested)
     scale = dissipation
-    if w is not None:
-        dissipation, scale = _finite_power(system, tested)
-    sizes = (scale, all_forces, all_moments, system.forms.integrate("speed on boundary"))
-    scales = Scales(*map(max, sizes, astuple(floor)))
-    power = float((nodal.U * F).sum()) + power_of_walls_and_loads
+    if tested.near_jumps:
+        dissipation, scale = _finite_power(system, tested.weighted)
+    sizes = (scale, sums.forces, sums.moments, system.forms.integrate("speed on boundary"))
+    scales = Scales(*map(max, sizes, astuple(_floor(system, sums))))
+    power = float((nodal.U * F).sum()) + sums.power
     defects = {
         "power": _relative(dissipation - power, scales.power),
-        "momentum": _relative(float(np.linalg.norm(force_sum)), scales.force),
-        "angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment),
+        "momentum": _relative(float(np.linalg.norm(sums.force)), scales.force),
+        "angular_momentum": _relative(float(np.linalg.norm(sums.moment)), scales.moment),
         "balance": _balance(system, nodal.U, F + law_loads(system, nodal), scales.force),
         "net_flux": _relative(system.forms.integrate("flux"), scales.flux),
         "residual": nodal.residual,
@@ -113,6 +128,68 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     if system.problem.periodic:  # the traction on the two sides has no force, but a moment
         del defects["angular_momentum"]
     return defects
+
+
+def _tested(system: StokesSystem, nodal: NodalSolution) -> _Tested:
+    u, w = nodal.x[: system.layout.velocities], _away_from_jumps(system)
+    weight = 1.0 if w is None else np.repeat(w, system.layout.dimension)
+    if system.facets is None:
+        return _Tested(u, np.zeros(0), weight * u, weight * u, 0.0, w is not None)
+    # What slides does no work on the surface, but against the friction there.
+    every_slip = slip_of(system, nodal)
+    slip, forces = every_slip[: len(u)], system.facets.forces(every_slip)[0][: len(u)]
+    slid = weight * slip
+    return _Tested(u, slip, weight * u, weight * u - slid, float(forces @ slid), w is not None)
+
+
+def _sums(system: StokesSystem, nodal: NodalSolution, tested: _Tested) -> _Sums:
+    """Collective."""
+    x, d = system.nodes.x, system.layout.dimension
+    force, moment = _nodal_loads(system, nodal)
+    lever, b, speed = _lengths(x), system.b[: len(tested.u)], tested.speed
+    of_rank = [
+        _power_of_walls_and_loads(system, nodal, tested),
+        np.abs(force).sum(),
+        (lever * _lengths(force)).sum(),
+        tested.u @ tested.u + tested.slip @ tested.slip,
+        speed.sum(),
+        lever @ speed.reshape(-1, d).sum(axis=1),
+        b @ b,
+    ]
+    sums = np.array([*of_rank, *force.sum(axis=0), *moment.sum(axis=0)])
+    system.layout.comm.Allreduce(MPI.IN_PLACE, sums)
+    sizes, force_sum, moment_sum = np.split(sums, [len(of_rank), len(of_rank) + d])
+    return _Sums(force_sum, moment_sum, *sizes.tolist())
+
+
+def _nodal_loads(system: StokesSystem, nodal: NodalSolution) -> tuple[Array, Array]:
+    """Loads and reactions, (n, d), and their moments, (n, 1 or 3), at this rank's nodes."""
+    layout, x, d = system.layout, system.nodes.x, system.layout.dimension
+    boundary = np.concatenate([_at_walls(system), layout.on_body])
+    load = system.b.copy()
+    load[boundary] += nodal.reaction[boundary]
+    force = load[: layout.velocities].reshape(-1, d)
+    moment = np.cross(x, force) if d == 3 else x[:, :1] * force[:, 1:] - x[:, 1:] * force[:, :1]
+    if layout.axisymmetric:
+        force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
+    return force, moment
+
+
+def _power_of_walls_and_loads(system: StokesSystem, nodal: NodalSolution, tested: _Tested) -> float:
+    """Of this rank's nodes, and of the mean flow and the mean pressure gradient on periodic sides."""
+    layout, at_walls = system.layout, _at_walls(system)
+    b = system.b[: layout.velocities]
+    power = float(nodal.reaction[at_walls] @ tested.moved[at_walls] + b @ tested.weighted) - tested.friction
+    is_flow = layout.slave < layout.velocities
+    jumping, of_pressure = np.concatenate([layout.slave[is_flow], layout.on_body]), layout.slave[~is_flow]
+    power += float(nodal.reaction[jumping] @ system.g[jumping])
+    return power - float(nodal.reaction[of_pressure] @ system.g[of_pressure])
+
+
+def _at_walls(system: StokesSystem) -> Index:
+    """Which velocities walls fix."""
+    fixed = system.layout.fixed
+    return fixed[fixed < system.layout.velocities]
 
 
 def _lengths(v: Array) -> Array:
@@ -141,20 +218,17 @@ def _finite_power(system: StokesSystem, tested: Array) -> tuple[float, float]:
     return float(power), float(scale)
 
 
-def _floor(system: StokesSystem, u_u: float, all_u: float, lever_u: float, b_b: float) -> Scales:
-    """The least that defects are compared with; collective.
-
-    By sums over all nodes of u^2, |u|, |x| |u| and b^2: rounding far from the origin has long levers.
-    """
+def _floor(system: StokesSystem, sums: _Sums) -> Scales:
+    """The least that defects are compared with; collective. Rounding far from the origin has long levers."""
     layout, problem = system.layout, system.problem
     farthest_here = float(_lengths(system.nodes.x).max(initial=0.0))
     farthest = layout.comm.allreduce(farthest_here, op=MPI.MAX)
     length = float(problem.q.radii.min(initial=farthest))
     spheres = layout.dimension == 3 or layout.axisymmetric
     drag = problem.viscosity * (length if spheres else 1.0)
-    power, force = max(drag * u_u, b_b / drag), drag * all_u
-    flux = float(np.sqrt(b_b)) / drag * length ** (2 if spheres else 1)
-    return Scales(*(ROUNDING_FLOOR * scale for scale in (power, force, drag * lever_u, flux)))
+    power, force, moment = max(drag * sums.squares, sums.loads / drag), drag * sums.speeds, drag * sums.levers
+    flux = float(np.sqrt(sums.loads)) / drag * length ** (2 if spheres else 1)
+    return Scales(*(ROUNDING_FLOOR * scale for scale in (power, force, moment, flux)))
 
 
 def require(defects: dict[str, float]) -> None:

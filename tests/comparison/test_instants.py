@@ -136,3 +136,13 @@ def test_levels_under_a_stress_have_the_mean_flows_that_they_find(domain: dict[s
     rates = [make_model(each)(each.configuration(), 0.0).record[column] - still for each in cases.values()]
     assert found.viscosity == pytest.approx(rates[0] / rates[1] - 1.0, abs=1e-9)
     assert [found.velocities, found.spins, found.gap_rates] == pytest.approx([0.0] * 3, abs=1e-4)
+
+
+def test_images_move_with_the_lattice_that_a_stress_shears() -> None:
+    """One disc nears its image at 3.5 e_y + 1.5 e_x at a rate in proportion to that of the shear."""
+    cell = {"shape": "cell", "vectors": [[6.0, 0.0], [1.5, 3.5]], "stress": 2.0}
+    body = {"name": "b", "radius": 1.0, "position": [1.0, 2.0]}
+    case = reduced_case([body], {}, domain=cell, model="pores", pores={"modes": 1})
+    cases = case_at_levels(case, ["resolved", "pores"])
+    rate = [make_model(each)(each.configuration(), 0.0).record["shear_rate"] for each in cases.values()]
+    assert compare_instants(cases)["pores"].gap_rates == pytest.approx(abs(rate[1] / rate[0] - 1.0), rel=1e-9)
