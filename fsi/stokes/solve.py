@@ -17,10 +17,10 @@ from fsi.meshes.build import FluidMesh
 from fsi.observables.truncation import BOUND
 from fsi.stokes import fields
 from fsi.stokes.corners import jumps
-from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
+from fsi.stokes.discretisation.constraints import DofLayout, dof_layout, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.images import tied
-from fsi.stokes.discretisation.nodes import facets_with, inner_nodes, locate
+from fsi.stokes.discretisation.nodes import BoundaryNodes, facets_with, inner_nodes, locate
 from fsi.stokes.discretisation.slip import sliding_facets, with_slip
 from fsi.stokes.identities import identities, require
 from fsi.stokes.laws import with_laws
@@ -122,29 +122,17 @@ def assembled(
     problem: StokesProblem, options: SolverOptions, clock: Clock, workspace: Workspace | None = None
 ) -> Iterator[StokesSystem]:
     """The assembled system of `solve`, with the same arguments; collective."""
-    fluid, container, boundary = problem.fluid, problem.container, problem.boundary
+    fluid = problem.fluid
     with nullcontext(workspace) if workspace else Workspace() as workspace:
         forms = workspace.forms(fluid, options.degree, problem.viscosity)
         nodes = locate(fluid, forms.V)
         iterative = is_iterative(options, forms) and not problem.sliding
         weights = nodal_vector(forms.bind("pressure weights"))
-        closed = not boundary.pressures
+        closed = not problem.boundary.pressures
         pin = _pinned_pressure(fluid, forms, weights) if closed and not iterative else None
-        pressure_nodes = forms.Q.dofmap.index_map.size_local
-        layout = dof_layout(fluid, nodes, boundary.velocities, pressure_nodes, pin)
-        layout = with_slip(layout, problem, nodes)
         cells = workspace.cells(condensed=options.formulation == "eliminated" and not iterative)
-        spaces = [(forms.V, nodes.with_ghosts), (forms.Q, forms.Q.tabulate_dof_coordinates())]
-        layout = replace(tied(layout, fluid, spaces), inner=cells.inner_here)
-        at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
-        # Where fluid sticks to one of two walls that meet, that one has the last word.
-        at_walls = dict(sorted(at_walls.items(), key=lambda item: item[0] not in boundary.slip_lengths))
-        corner_axes = dict(zip(container.walls, container.corner_axes, strict=True))
-        g = wall_offset(layout, nodes, at_walls, corner_axes)
-        g += swimming_velocity(problem, forms, nodes, layout)
-        if problem.laws is not None:
-            carried, d = problem.laws.carried, problem.q.dimension
-            g[layout.on_body] += carried[layout.body, layout.on_body % d]
+        layout = replace(_layout(problem, forms, nodes, pin), inner=cells.inner_here)
+        g = _offset(problem, forms, nodes, layout)
         b = _loads(problem, forms, layout.rows)
         clock.lap("setup")
         mass = pressure_mass(forms) if iterative else None
@@ -173,6 +161,29 @@ def assembled(
             for used in (rigid.matrix, mass):
                 if used is not None:
                     used.destroy()
+
+
+def _layout(problem: StokesProblem, forms: Forms, nodes: BoundaryNodes, pin: int | None) -> DofLayout:
+    """Which unknowns walls and bodies fix, slip and periods tie; collective."""
+    pressure_nodes = forms.Q.dofmap.index_map.size_local
+    layout = dof_layout(problem.fluid, nodes, problem.boundary.velocities, pressure_nodes, pin)
+    spaces = [(forms.V, nodes.with_ghosts), (forms.Q, forms.Q.tabulate_dof_coordinates())]
+    return tied(with_slip(layout, problem, nodes), problem.fluid, spaces)
+
+
+def _offset(problem: StokesProblem, forms: Forms, nodes: BoundaryNodes, layout: DofLayout) -> Array:
+    """g, the velocities that are given: of walls, of surfaces that swim, and with which laws carry bodies."""
+    boundary, container = problem.boundary, problem.container
+    at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
+    # Where fluid sticks to one of two walls that meet, that one has the last word.
+    at_walls = dict(sorted(at_walls.items(), key=lambda item: item[0] not in boundary.slip_lengths))
+    corner_axes = dict(zip(container.walls, container.corner_axes, strict=True))
+    g = wall_offset(layout, nodes, at_walls, corner_axes)
+    g += swimming_velocity(problem, forms, nodes, layout)
+    if problem.laws is not None:
+        carried, d = problem.laws.carried, problem.q.dimension
+        g[layout.on_body] += carried[layout.body, layout.on_body % d]
+    return g
 
 
 def _tolerance(problem: StokesProblem) -> float:
