@@ -145,11 +145,11 @@ class Body(Section):
     @cached_property
     def revolved(self) -> "BodyOfRevolution":
         """Of a body on an axis."""
+        assert isinstance(self.angle, float)  # it is none in space
         if self.shape is None:
             from fsi.meshes.geometry.revolved import BodyOfRevolution
 
-            return BodyOfRevolution.sphere(self.radius)
-        assert isinstance(self.angle, float)  # it is none in space
+            return BodyOfRevolution.sphere(self.radius, self.angle)
         return self.shape.revolved(self.angle)
 
     @property

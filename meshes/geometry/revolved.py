@@ -50,9 +50,9 @@ class BodyOfRevolution(Outline):
         return replace(body, shift=float(swept @ z / swept.sum()) * body._frame[1])
 
     @classmethod
-    def sphere(cls, radius: float) -> BodyOfRevolution:
-        """A half circle, turned."""
-        return cls(circle(radius))
+    def sphere(cls, radius: float, angle: float = 0.0) -> BodyOfRevolution:
+        """A circle, whose poles are on the axis however it is turned."""
+        return cls(circle(radius), angle=angle)
 
     @property
     def _frame(self) -> Array:

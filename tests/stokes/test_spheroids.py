@@ -15,20 +15,20 @@ from fsi.stokes.model import StokesModel
 from fsi.validation.rows import reference, swept
 
 COARSE = {"degree": 3, "cells_per_circle": 16, "growth": 0.5}
+SPHERE = {"name": "sphere", "radius": 0.5, "position": [0.0, 1.0]}
 RATIOS = Path(__file__).parents[2] / "cases" / "validation" / "spheroid.toml"
 
 
 def in_tube(body: dict[str, Any], **sections: Any) -> Case:
     """A body above the floor of a closed tube, and a sphere above it."""
     held = {"name": "body", "position": [0.0, -2.5], "velocity": [0.0, 1.0]} | body
-    free = {"name": "sphere", "radius": 0.5, "position": [0.0, 1.0]}
     return parse_case(
         {
             "name": "in a tube",
             "geometry": "axisymmetric",
             "fluid": {"viscosity": 1.0},
             "domain": {"lower": [0.0, -4.0], "upper": [3.0, 4.0]},
-            "bodies": [held, free],
+            "bodies": [held, SPHERE],
             "discretisation": COARSE,
         }
         | sections
@@ -44,6 +44,17 @@ def test_a_spheroid_of_equal_axes_is_a_sphere(slip: float) -> None:
     np.testing.assert_allclose(spheroid.F, sphere.F, atol=1e-9 * np.abs(sphere.F).max())
     np.testing.assert_allclose(spheroid.U, sphere.U, atol=1e-9)
     assert sphere.U[1, 1] > 0.01
+
+
+@pytest.mark.parametrize("angle", [0.1, 1.0, -np.pi])
+def test_a_sphere_beside_a_spheroid_may_be_turned(angle: float) -> None:
+    """To 1e-9. Its half circle left the axis: forces were off by 7e-7 at 0.1, and gmsh did not end at 1."""
+    spheroid = {"shape": {"kind": "ellipse", "axes": [1.0, 0.5]}}
+    case = in_tube(spheroid)
+    turned = parse_case(case.as_data() | {"bodies": [case.as_data()["bodies"][0], SPHERE | {"angle": angle}]})
+    there, here = (StokesModel(each)(each.configuration(), 0.0) for each in (case, turned))
+    np.testing.assert_allclose(here.F, there.F, atol=1e-9 * np.abs(there.F).max())
+    np.testing.assert_allclose(here.U, there.U, atol=1e-9)
 
 
 @pytest.mark.parametrize("b", [0.2, *(pytest.param(b, marks=pytest.mark.slow) for b in (0.5, 2.0, 5.0))])

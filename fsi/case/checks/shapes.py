@@ -75,9 +75,12 @@ def _check_symmetric(case: Case) -> None:
     """A body on an axis is one of revolution."""
     for i, body in enumerate(case.bodies):
         if body.shape is not None and not body.revolved.is_symmetric:
+            assert isinstance(body.angle, float)  # it is none in space
+            nearest = 0.5 * pi * round(body.angle / (0.5 * pi))
             raise InputError(
                 f"bodies.{i}.shape = {toml_text(body.shape)}: is not symmetric about the axis r = 0 at the "
-                f"angle {body.angle!r}; give one that is (pi/2 = {0.5 * pi!r})"
+                f"angle {body.angle!r}; give a shape that is, or an angle to all digits (the nearest quarter "
+                f"turn is {nearest!r})"
             )
 
 
