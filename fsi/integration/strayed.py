@@ -60,6 +60,7 @@ OF_CAUSES = np.array([1.0, VELOCITY_SAFETY])[:, None, None]
 # Their signs are chosen: where one carries the other along, they may cancel in the estimate alone. So each is
 # known to this part of the largest.
 HIDDEN = 0.1
+ROUNDING = 1e-9  # of the largest: what bodies with a given velocity miss in place
 SMALLER = 1e-3  # the same for gaps, which are exact
 
 
@@ -257,8 +258,9 @@ def _dissipation(instant: Instant) -> float:
 def _bars(arms: Array, distances: Array) -> Array:
     """Of distances (2, N, M) by cause, (N, M); times their arms they are alike."""
     of_elements, of_steps = np.abs(distances)
-    hidden = HIDDEN * (arms * of_steps).max(initial=0.0) / arms
-    bars: Array = of_elements + np.where(of_steps > 0.0, np.maximum(of_steps, hidden), 0.0)
+    largest = (arms * of_steps).max(initial=0.0) / arms
+    hidden = np.where(of_steps > ROUNDING * largest, HIDDEN * largest, 0.0)  # none of what is given
+    bars: Array = of_elements + np.maximum(of_steps, hidden)
     return bars
 
 

@@ -140,6 +140,18 @@ def test_held_bodies_do_not_stray() -> None:
     assert last.record.columns["err_smallest_gap"] < 1e-15
 
 
+def test_what_moves_as_given_beside_others_does_not_stray() -> None:
+    """Its rounding was taken for what the sign of an error hides: a tenth of the bar of the other body."""
+    q = Configuration.unturned(np.array([[0.0, 0.0], [0.0, 3.0]]), np.ones(2))
+    strayed = Strayed(None, cast(Any, None), e=np.zeros((2, 2, 3)))
+    strayed.e[1, :, 0] = [1e-4, 1e-17]
+    strayed.e[1, 0, 1] = 1e-12  # it changes its sign
+    none = ErrorEstimate(np.zeros((2, 3)), np.zeros((2, 3)))
+    bars = strayed.body_columns(q, none)
+    assert bars["err_x"].tolist() == [1e-4, 1e-17]
+    assert bars["err_y"].tolist() == pytest.approx([1e-5, 0.0])
+
+
 class Vacuum:
     """Nothing resists: bodies have the velocity that inertia alone gives them."""
 
