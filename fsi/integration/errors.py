@@ -121,8 +121,6 @@ class StepErrors:
         if self.errors.apparent_viscosity is not None:
             columns["err_apparent_viscosity"] = self.errors.apparent_viscosity
         columns |= {f"err_speed_{wall}": error for wall, error in self.errors.wall_speeds.items()}
-        if self.errors.shear_rate is not None:
-            columns["err_shear_rate"] = self.errors.shear_rate
         if self.errors.dp_dx is not None:
             columns["err_pressure_gradient"] = self.errors.dp_dx
         if self.errors.flux is not None:

@@ -177,7 +177,7 @@ class Prolongation:
 
     With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the space of
     the multiplier form. A row with a slip has a column for it, and after that those of the modes. What
-    stands for the normal traction of a sliding surface moves no fluid: its weights are zero, but its columns
+    stands for the pressure on a sliding surface moves no fluid: its weights are zero, but its columns
     give P^T M P the places that it needs.
 
     Attributes:

@@ -1,9 +1,9 @@
 """Surfaces along which fluid slides (Navier 1823), in the discrete system.
 
 With the velocity w of a surface, rigid motion and what moves along it, the slip is s = u - w, n points out of
-the fluid, and nu is the normal traction:
+the fluid, and nu = - n.sigma n is its pressure on the surface:
 
-    s.n = 0,    sigma n = nu n - (mu / b) s      on the surface.
+    s.n = 0,    sigma n = - nu n - (mu / b) s      on the surface.
 
 The nodal slip is an unknown of its own, u = w + s, and so is nu. Tested with s' and nu' the rows are
 
