@@ -154,7 +154,7 @@ class LawFile(Section):
             if (getattr(self, form) is not None) != (self.form == form):
                 raise ValueError(f'a law needs the section [{form}] if and only if its form is "{form}"')
         if self.form == "series" and not _is_range(self.range):
-            raise ValueError("a series needs a range of s")
+            raise ValueError("a series needs a range of s, two numbers that increase")
         if (self.shape, self.mode) not in EXPONENTS:
             raise ValueError(f'a law between "{self.shape}" is one of mode = "squeeze"')
         if self.form in LAWS and self.shape == "shapes":

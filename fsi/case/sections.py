@@ -34,6 +34,7 @@ class _Sizes(NamedTuple):
 _FEW, _MANY = _Sizes(0.45, 32, 0.33, 4), _Sizes(0.3, 20, 0.3, 4, "sparse")
 _FEW_CUBIC, _MANY_CUBIC, _SPATIAL = _Sizes(1.0, 48, 0.2), _Sizes(0.5, 24, 0.5), _Sizes(0.75, 16, 0.5)
 MOST_FEW = 20
+NARROWEST_RANGE = 1.01  # of a calibration, its ends over each other
 HIGHEST_DEGREE = {2: 6, 3: 4}  # by the dimension of the mesh
 
 
@@ -117,7 +118,7 @@ class Calibration(Section):
     mode: Literal["squeeze", "shear", "rotation"] = "squeeze"
     '"squeeze", "shear" or, of a body beside a wall or two equal ones, "rotation"'
     range: tuple[float, float]
-    """the smallest and the largest gap, increasing numbers > 0"""
+    """the smallest and the largest gap, increasing numbers > 0, at least 1.01 times each other"""
     samples: int = Field(default=20, ge=6)
     """the number of gaps in the range, at least 6, equal in the logarithm"""
     held_out: int = Field(default=4, ge=0)
@@ -130,6 +131,10 @@ class Calibration(Section):
     def _increasing(cls, range: tuple[float, float]) -> tuple[float, float]:  # noqa: A002
         if not 0.0 < range[0] < range[1]:
             raise ValueError("is not a range of positive gaps")
+        if range[1] < NARROWEST_RANGE * range[0]:
+            raise ValueError(
+                f"tells no terms apart; give an upper end {NARROWEST_RANGE} times the lower, or more"
+            )
         return range
 
     @model_validator(mode="after")

@@ -16,8 +16,11 @@ def prepare(*, silent: bool) -> None:
 
     Letters that the encoding lacks are written as their numbers. Where a stream was closed before the start,
     Python has None in its place. A reader that goes away is a BrokenPipeError and no signal: Python ignores
-    that, but gmsh, as it starts, sets it back to end the program.
+    that, but gmsh, as it starts, sets it back to end the program. COLUMNS=0 is a width that nobody knows, and
+    not that of a terminal without any.
     """
+    if os.environ.get("COLUMNS", "1").strip("0") == "":
+        del os.environ["COLUMNS"]
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
     if sys.stdin is None:
         sys.stdin = _nothing("r")

@@ -51,9 +51,19 @@ class Fit:
     exponent_error: float
 
     @property
+    def agrees(self) -> bool:
+        """Whether so large a chi^2 is believable."""
+        return believable(self.chi2, self.dof)
+
+    @property
     def intervals(self) -> Array:
         """Half widths of the 95 % intervals of the coefficients, shape (k,)."""
         return CONFIDENCE * np.sqrt(np.diag(self.covariance))
+
+
+def believable(chi2: float, dof: int) -> bool:
+    """Whether samples with these errors have so large a chi^2 with a probability of CONSISTENT at least."""
+    return bool(scipy.stats.chi2.sf(chi2, dof) >= CONSISTENT)
 
 
 def band(terms: tuple[Term, ...], covariance: Array, s: Array) -> Array:
@@ -70,7 +80,8 @@ def design(terms: tuple[Term, ...], s: Array) -> Array:
 def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: int = 3) -> Fit:
     """Fit the series to the samples of the smallest gaps, to as many as agree with it.
 
-    The farthest samples are dropped until chi^2 is believable, down to one more than free coefficients.
+    The farthest samples are dropped until chi^2 is believable, down to one more than free coefficients, where
+    it may still not be: see `Fit.agrees`.
 
     s: gaps over the reduced radius, increasing, (n,), n > free. K, bars: samples of the profile and their
     errors, positive, (n,). terms: in the order of their size at small s; the first `free` of them have no
@@ -82,7 +93,7 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
         # |c1| is known well enough by the first sample
         widths = np.full(len(terms) - free, abs(K[0] / terms[0].value(s[:1])[0]))
         c, covariance, misfit = regression(design(terms, s[:n]), K[:n], bars[:n], widths)
-        if scipy.stats.chi2.sf(misfit, n - free) >= CONSISTENT:
+        if believable(misfit, n - free):
             break
     exponent, error = _leading_exponent(s[:n], K[:n], bars[:n], terms, widths)
     return Fit(

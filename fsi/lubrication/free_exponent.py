@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.lubrication.fitting import CONSISTENT, Fit, design, regression
+from fsi.lubrication.fitting import Fit, believable, design, regression
 from fsi.lubrication.profiles import Array, Term
 
 FREE = 3  # of the terms, the first ones, have no prior
@@ -70,7 +70,7 @@ def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -
         raise ValueError(f"{len(s)} samples: a fit needs more than {FREE + 1}, at increasing gaps")
     for n in range(len(s), FREE + 1, -1):
         m, misfit = _best(series, s[:n], K[:n], bars[:n])
-        if scipy.stats.chi2.sf(misfit, n - FREE - 1) >= CONSISTENT:
+        if believable(misfit, n - FREE - 1):
             break
     terms, widths = series.terms(m), series.widths(m, s, K)
     phi = design(terms, s)

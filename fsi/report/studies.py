@@ -154,7 +154,8 @@ def lines(result: CalibrationResult) -> list[str]:
     fit, test = result.fit, result.test
     if fit is not None:
         used = f"{fit.used.sum()} of {len(fit.used)} samples"
-        said[0] += f": {used} agree with it, chi^2 = {fit.chi2:.2g} for {fit.dof} degrees of freedom"
+        agree = "agree with it" if fit.agrees else "that were used do NOT agree with it"
+        said[0] += f": {used} {agree}, chi^2 = {fit.chi2:.2g} for {fit.dof} degrees of freedom"
         if (first := result.leading) is not None:
             said.append(
                 f"leading term: ({first.coefficient:.6g} ± {first.coefficient_interval:.1e}) mu "

@@ -159,6 +159,7 @@ def planned(**plan: Any) -> dict[str, Any]:
         (planned() | {"domain": SLIDING}, "domain.walls.left.slip_length = 0.1: laws of gaps are those of"),
         (planned(pair=["disc", "disc"]), "'disc' is no other body and no wall; use one of"),
         (planned(range=[0.1, 1e-3]), "calibration.range = .* is not a range of positive gaps"),
+        (planned(range=[0.1, 0.1005]), "tells no terms apart; give an upper end 1.01 times the lower"),
         (planned(range=[1e-3, 20.0]), "at the gap 20 the case is not sound: .*crosses wall"),
         (planned(samples=6, held_out=6), "as many between them at most one fewer"),
         (planned(mode="sheer"), 'calibration.mode = "sheer": not one of the choices'),

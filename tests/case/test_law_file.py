@@ -90,7 +90,7 @@ def test_short_forms(tmp_path: Path, ratio: float | None) -> None:
         ("viscosity = 0.5", "viscositty = 0.5", "viscositty = 0.5: unknown key; use viscosity"),
         ("[series]", "[serious]", "serious = .* unknown key; use series"),
         ("logs = [", "logs = [ true,", r"has 2 powers, but not as many logs"),
-        ("    0.0001,\n    1.0,\n", "    1.0,\n    0.0001,\n", "a series needs a range of s"),
+        ("    0.0001,\n    1.0,\n", "    1.0,\n    0.0001,\n", "a range of s, two numbers that increase"),
         # 6 pi/s + 3.7 ln(1/s) with other numbers: negative, rising from s = pi/5 on, and 0 at 1
         (f"    {6.0 * pi},", "    -1.0,", r"series = .*: is -\S+ at s = 0\.0001; give a section \[series\]"),
         ("    3.7,", "    -30.0,", r"series = .*: rises at s = 0\.63\d*; give .* decreases with the gap"),

@@ -45,6 +45,11 @@ def test_a_stream_that_takes_nothing_is_one_line_at_most(command: str, code: int
     assert done.stderr.count("\n") == bool(words)
 
 
+def test_a_width_of_zero_is_none() -> None:
+    """COLUMNS=0 is what shells know of no terminal: nothing at all was printed, and the exit code was 0."""
+    assert shell(CHECK, COLUMNS="0").stdout == shell(CHECK).stdout != ""
+
+
 def test_letters_that_the_encoding_lacks_are_escaped() -> None:
     done = shell(f"{CHECK} --set 'name=\"Düse\"'", PYTHONIOENCODING="ascii")
     assert (done.returncode, done.stderr) == (0, "")

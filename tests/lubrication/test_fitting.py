@@ -158,6 +158,15 @@ def test_far_samples_that_do_not_fit_are_dropped() -> None:
     assert_allclose(fit.coefficients[0], 3.0 * sqrt(2.0) * pi, rtol=2e-4)
     off = (wrong - design(fit.terms, s) @ fit.coefficients) / (1e-4 * K)
     assert np.all(np.abs(off[fit.used]) < 3.0)
+    assert fit.agrees
+
+
+def test_samples_of_which_no_four_agree_are_said_not_to() -> None:
+    """The second is a tenth of what it is: chi^2 has nothing to do with its one degree of freedom."""
+    s = np.geomspace(1e-4, 0.3, 6)
+    K = exact_resistance("discs", "squeeze", s, inf)
+    fit = fit_series(s, K * np.where(np.arange(6) == 1, 0.1, 1.0), 1e-4 * K, basis("discs", "squeeze"))
+    assert (fit.used.sum(), fit.dof, fit.agrees) == (4, 1, False)
 
 
 def test_an_error_common_to_all_samples_is_not_averaged_away() -> None:
