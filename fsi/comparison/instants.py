@@ -58,12 +58,17 @@ def compare_instants(cases: Mapping[str, Case]) -> dict[str, LevelAtInstant]:
 
     Raises InputError or SolveError where one of them fails.
     """
-    asked = {level: case for level, case in cases.items() if case.level.viscous}
+    asked = {level: case for level, case in cases.items() if _has_instant(case)}
     if len(asked) < 2:
         return {}
     found = {level: _found(case) for level, case in asked.items()}
     first = next(iter(found.values()))
     return {level: _against(first, here) for level, here in found.items()}
+
+
+def _has_instant(case: Case) -> bool:
+    """Whether loads have velocities: of networks all that resists any motion is drag, and inertia in runs."""
+    return case.level.viscous and (case.level.flow or case.drag > 0.0 or bool(case.held().all()))
 
 
 @dataclass(frozen=True, slots=True)

@@ -130,7 +130,8 @@ def solve_system(
     D, U0 = (inertia.D, inertia.U0) if inertia else (zero, zero)
     Z = ambient.zeta + D
     if np.any((Z <= 0.0) & ~motion.held):
-        raise SolveError("reduced.drag = 0: only lubrication resists a free body; give it drag or a mass")
+        remedy = "give it drag, or in a run a mass" if inertia is None else "give it drag or a mass"
+        raise SolveError(f"reduced.drag = 0: only lubrication resists a free body; {remedy}")
     applied = motion.F + ambient.zeta * ambient.background + D * U0
     Z_inverse = np.where(motion.held, 0.0, 1.0 / np.where(Z > 0.0, Z, 1.0))
     alone = np.where(motion.held, motion.U, Z_inverse * applied)

@@ -16,7 +16,7 @@ from fsi.case.load import load_case
 from fsi.cli.main import app
 from fsi.comparison.instants import compare_instants, instants_json
 from fsi.comparison.motion import case_at_levels
-from fsi.errors import InputError
+from fsi.errors import InputError, SolveError
 from fsi.models import make_model
 from tests.reduced_data import reduced_case
 
@@ -113,6 +113,15 @@ def test_a_level_that_only_steps_needs_a_time(tmp_path: Path) -> None:
     assert isinstance(result.exception, InputError)
     assert "time: missing" in str(result.exception)
     assert not (tmp_path / "out").exists()
+
+
+def test_networks_that_inertia_alone_determines_have_no_instant() -> None:
+    """The example of `fsi compare --help`, which has masses and no drag, was refused for want of drag."""
+    case = load_case(CASES / "levels.toml")
+    assert compare_instants(case_at_levels(case, ["resolved", "reduced", "gluey", "macroscopic"])) == {}
+    (reduced,) = [each for each in case_at_levels(case, ["reduced", "gluey"]).values() if each.level.viscous]
+    with pytest.raises(SolveError, match="give it drag, or in a run a mass"):
+        make_model(reduced)(reduced.configuration(), 0.0)
 
 
 PLACES = {"a": [1.0, 2.0], "b": [3.2, 2.6]}
