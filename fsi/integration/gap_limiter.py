@@ -15,6 +15,7 @@ from fsi.meshes.geometry.container import Container
 SAFETY = 0.9
 # Of bodies that are no discs: places on a way that are looked at, and the least part of a gap between two.
 MOST_PLACES, LEAST_ROOM = 50, 0.02
+KNOWN = 1e3  # times the rounding of places is the narrowest gap of which they hold enough
 SOON = 0.25  # of the way that is left: gaps that may be at their limit by then are looked at together
 
 
@@ -157,6 +158,27 @@ def _approach_of_shapes(
         lost = gap_loss / done  # beyond that nobody has looked
     first, second = feet.sides[worst].tolist()
     return Approach(lost, float(before[worst]), (first, second))
+
+
+def lost_in_rounding(
+    before: tuple[Configuration, Container], after: tuple[Configuration, Container]
+) -> Approach | None:
+    """The narrowest gap after a step, if it has not become wider and rounding of places is a part of it.
+
+    Places x have their rounding eps |x|, and gaps are differences of places: one of KNOWN eps |x| is a
+    thousandth off, and soon stands still beside a wall. Bodies with shapes are not resolved that far.
+    """
+    (q, container), (moved, container_after) = before, after
+    if q.shaped or not len(q):
+        return None
+    size = float(np.abs(moved.centres).max()) + float(q.radii.max())
+    least = KNOWN * float(np.finfo(float).eps) * size
+    gaps = find_gaps(moved, container_after, least)
+    gap = gaps.smallest()
+    if gap > least or gap > find_gaps(q, container, least).smallest():
+        return None
+    index = int(np.argmin(np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])))
+    return Approach(0.0, gap, _sides(index, gaps.pairs, gaps.wall_gaps.shape))
 
 
 def _safe(left: Array, lowest: Array, before: Array, closing: Array) -> Array:

@@ -18,7 +18,13 @@ from fsi.bodies.feet import Feet
 from fsi.bodies.gaps import Gaps, find_gaps, nearest_gaps, pair_gaps, wall_gaps
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import StepErrors
-from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
+from fsi.integration.gap_limiter import (
+    Approach,
+    GapRefusedError,
+    greatest_approach,
+    limited_step,
+    lost_in_rounding,
+)
 from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step, velocities
 from fsi.meshes.geometry.container import Container
 
@@ -103,6 +109,12 @@ class Stepper:
                 raise self._blocked(state, approach)
         used = t_end - state.t
         q, instant, past = trial.q, trial.instant, trial.past
+        lost = lost_in_rounding((state.q, container), (q, self.container.at(t_end, q.strain)))
+        if lost is not None:
+            raise SolveError(
+                f"at t = {t_end:.9g} the gap between {self._sides(lost)} is {lost.gap:.3g}, which is lost in "
+                "the rounding of their places; end the run before, by time.end or time.contact_gap"
+            )
         if past is not None and self.schedule.is_knot(t_end):
             past = past.forgotten()
         following = self._next_step(h, used, factor, rejected)
@@ -172,13 +184,17 @@ class Stepper:
         return max(used * growth, h) if growth == LARGEST_GROWTH else used * growth
 
     def _blocked(self, state: State, approach: Approach) -> SolveError:
-        sides = [*self.names, *(f"wall {name}" for name in self.container.walls)]
-        i, j = approach.between
-        one, other = sides[i], "its own image" if i == j else sides[j]
         return SolveError(
             f"time.smallest_step = {self.smallest_step:g}: a shorter step is needed at t = {state.t:.9g}, "
-            f"where the gap between {one} and {other} is {approach.gap:.3g}; lower it or end the run before"
+            f"where the gap between {self._sides(approach)} is {approach.gap:.3g}; lower it or end the run "
+            "before"
         )
+
+    def _sides(self, approach: Approach) -> str:
+        """Between what it is."""
+        sides = [*self.names, *(f"wall {name}" for name in self.container.walls)]
+        i, j = approach.between
+        return f"{sides[i]} and {'its own image' if i == j else sides[j]}"
 
 
 @dataclass(frozen=True, slots=True)

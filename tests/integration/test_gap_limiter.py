@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
-from fsi.integration.gap_limiter import greatest_approach, limited_step
+from fsi.integration.gap_limiter import greatest_approach, limited_step, lost_in_rounding
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.geometry.lattice import Cell
@@ -116,3 +116,18 @@ def test_bodies_that_the_mean_flow_carries_are_sought_no_farther(monkeypatch: py
     still = greatest_approach(carried, cell, displacement, 0.2, 0.02)
     assert reaches == [20.0]
     assert still.loss < 0.2
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "lost"), [(2, 2, True), (2, 1, True), (1, 2, False), (9, 4, False)]
+)
+def test_only_gaps_that_do_not_open_are_lost_in_rounding(before: int, after: int, lost: bool) -> None:
+    """Of units of places in [2, 4), 4.4e-16; the limit is 1e3 eps (2 + 1), 1500 of them."""
+    places = []
+    for units in (before, after):
+        gap = 500 * units * 2.0**-51
+        places.append(Configuration.unturned(np.array([[0.0, 0.0], [2.0 + gap, 0.0]]), np.ones(2)))
+    found = lost_in_rounding((places[0], BOX), (places[1], BOX))
+    assert (found is not None) == lost
+    if found is not None:
+        assert (found.gap, found.between) == (500 * after * 2.0**-51, (0, 1))

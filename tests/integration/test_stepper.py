@@ -154,3 +154,13 @@ def test_the_integral_of_a_table_is_exact(scheme: str) -> None:
     end = run_case(case)[-1].state
     R = DiscsBesidePlane(case).resistance(end.q)[0, 2]
     assert end.q.angles[0] == pytest.approx((0.15 + 0.0 - 0.3) / R, rel=1e-13)
+
+
+def test_a_gap_that_places_no_longer_hold_ends_the_run() -> None:
+    """At 1e3 eps |x| = 4.4e-13 beside x = 1; a sphere stood still at 9e-16 for ever, with exit code 0."""
+    case = settling_case(2.0, smallest_step=1e-30, body={"velocity": ["free", -1.0], "force": [0.0, 0.0]})
+    stepper = make_stepper(case, DiscsBesidePlane(case))
+    with pytest.raises(
+        SolveError, match=r"disc and wall plane is [1-4]\.\d*e-13, which is lost in the rounding"
+    ):
+        run(stepper, case.configuration())
