@@ -93,11 +93,14 @@ FIRST, GROWTH, LARGEST, ENOUGH = 1e3, 100.0, 1e9, 0.3
 class Response(Protocol):
     """What the rows answer to their rates."""
 
+    def scales(self, weight: Array) -> Array:
+        """By what rows are scaled, positive, of the rates that their unit impulses make, (rows,) both."""
+
     def impulse(self, r: Array, p_old: Array, sigma: Array) -> tuple[Array, sp.spmatrix]:
         """p(r) and `-dp/dr >= 0`, symmetric, (rows, rows)."""
 
     def residual(self, r: Array, p: Array, weight: Array) -> float:
-        """How far p is from -E'(r), as a rate; weight: the rate that a unit impulse makes, (rows,)."""
+        """How far p is from -E'(r), as a rate; weight: as `scales` gives it, (rows,)."""
 
 
 @dataclass(slots=True)
@@ -162,7 +165,7 @@ def minimise(program: Program, p: Array, response: Response, tolerance: float) -
 
     The best that rounding allows: its residual may exceed the tolerance, which is the caller's to judge.
     """
-    weight = program.weight
+    weight = response.scales(program.weight)
     sigma = FIRST / weight
     solver = _Solver(program.J, program.mass)
     steps, inner, before, best = 0, 0, np.inf, Impulses(p, program.u_star, np.inf, 0, 0)

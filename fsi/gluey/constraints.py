@@ -49,6 +49,14 @@ class Rows:
     first: int
     of_wall: NDArray[np.bool_]
 
+    @property
+    def rubbing(self) -> NDArray[np.bool_]:
+        """The contacts whose slip some mode moves, (C,): friction does nothing at others, and is 0 there."""
+        moving = np.asarray(abs(self.J[self.first :]).sum(axis=1)) > 0.0
+        across = len(moving) // max(len(self.least), 1)
+        moved: NDArray[np.bool_] = moving.reshape(len(self.least), across).any(axis=1)
+        return moved
+
 
 def make_rows(system: System, contacts: Contacts, gamma: Array, h: float) -> Rows:
     """The rows for contacts with the memories gamma, shape (C,), and a step h."""
@@ -89,12 +97,13 @@ def solve_rows(rows: Rows, program: Program, tolerance: float, bound: Callable[[
     """
     C = len(rows.least)
     p, iterations, steps = rows.p, 0, 0
-    limits = bound(p[:C]) if rows.friction else np.zeros(0)
+    moved = rows.rubbing if rows.friction else np.zeros(0)
+    limits = bound(p[:C]) * moved if rows.friction else np.zeros(0)
     for _ in range(TRIES):
         response = ContactResponse(rows.least, limits, rows.first, rows.compliance)
         solved = project(program, p, response, tolerance)
         p, iterations, steps = solved.p, iterations + solved.iterations, steps + solved.steps
-        new = bound(p[:C]) if rows.friction else limits
+        new = bound(p[:C]) * moved if rows.friction else limits
         if np.abs(new - limits).max(initial=0.0) <= BOUND * np.abs(p).max(initial=0.0):
             return replace(solved, iterations=iterations, steps=steps)
         limits = new

@@ -71,6 +71,10 @@ class Film:
         slope: Array = np.exp(y) if self.shape == "sphere" else (1.0 - 0.5 * y) ** -3.0
         return slope * self.delta0 / self.eps
 
+    def scales(self, weight: Array) -> Array:
+        """Each row by itself."""
+        return weight
+
     def residual(self, r: Array, p: Array, weight: Array) -> float:
         """The largest of `r - D(-p)/h` where films are, of `delta0/h - r` beyond, and of p's own error."""
         answer, _ = self.impulse(r, p, 1.0 / weight)

@@ -53,6 +53,18 @@ class ContactResponse:
         """True if every row is a gap that may open: no friction, no film, none held closed."""
         return len(self.compliance) == len(self.least) and bool(np.all(self.least == 0.0))
 
+    def scales(self, weight: Array) -> Array:
+        """Of the rows of one contact's friction the largest: their bound is a disc, and p along the slip.
+
+        A row that moves nothing has the scale of others.
+        """
+        shared = weight.copy()
+        if len(self.limits):
+            of_friction = shared[self.first :].reshape(len(self.limits), -1)
+            of_friction[:] = of_friction.max(axis=1, keepdims=True)
+        shared[shared == 0.0] = shared.max(initial=0.0) or 1.0
+        return shared
+
     def onto(self, p: Array) -> Array:
         """The projection onto the impulses that are allowed."""
         allowed = p.copy()
@@ -93,7 +105,7 @@ class ContactResponse:
         return sp.bsr_matrix((blocks, count[:-1], count), shape=(across * len(slip),) * 2)
 
     def residual(self, r: Array, p: Array, weight: Array) -> float:
-        """The natural residual `|p - P_K(p - (r + compliance p)/w)| w`, w: weight + compliance."""
+        """The natural residual `|p - P_K(p - (r + compliance p)/w)| w`, w: of `scales`, + compliance."""
         w = weight + self.compliance
         return float((np.abs(p - self.onto(p - (r + self.compliance * p) / w)) * w).max(initial=0.0))
 
@@ -119,7 +131,7 @@ def project(program: Program, p: Array, response: ContactResponse, tolerance: fl
         reached = _by_gradient(dual, _Reached(p), tolerance, MOST_ITERATIONS)
         p, iterations = reached.p, reached.iterations
     u = program.velocity(p)
-    kkt = response.residual(program.rate(u), p, program.weight)
+    kkt = response.residual(program.rate(u), p, response.scales(program.weight))
     if kkt <= tolerance:
         return Impulses(p, u, kkt, iterations, 0)
     if response.only_gaps:
@@ -188,7 +200,7 @@ class _Dual:
     def of(cls, program: Program, response: ContactResponse) -> _Dual:
         """Rows scaled to the unit diagonal, then by the largest eigenvalue."""
         J, compliance = program.J, response.compliance
-        s = 1.0 / np.sqrt(program.weight + compliance)
+        s = 1.0 / np.sqrt(response.scales(program.weight) + compliance)
         moved = np.unique(J.indices)  # what no row moves costs time
         B = sp.csr_matrix(sp.diags(s) @ J[:, moved] @ sp.diags(1.0 / np.sqrt(program.mass[moved])))
         stiff = s * s * compliance if compliance.any() else None
