@@ -136,6 +136,8 @@ def _least(system: PoreSystem, means: Sequence[Array], forces: ForceSeries | Non
     """The best stresses beside these means, then beside forces: numbers (n, k), and products (k, k)."""
     m, k = len(means), len(means) + (forces is not None)
     loads, alone = np.zeros((system.size, k)), np.zeros((k, k))
+    if not k:  # fluid that is enclosed all round, around bodies without loads
+        return loads, alone
     for batch in system.assembly.batches:
         q = np.zeros((*batch.unknown.shape, k))
         for g, mean in enumerate(means):

@@ -222,3 +222,12 @@ def test_pictures(field: str, sheared: Run, tmp_path: Path) -> None:
     picture = tmp_path / "picture.png"
     assert fsi_command("render", sheared.path, "--field", field, "--size", 150, "-o", picture) == 0
     assert picture.stat().st_size > 1000
+
+
+def test_fluid_at_rest_in_a_box_has_no_pressure_above_its_level(tmp_path: Path) -> None:
+    """No mean rate and no load: there are no stresses to choose from, which was a defect of the program."""
+    disc = {"name": "a", "radius": 1.0, "position": [2.0, 2.0]}
+    case = case_of(domain={"lower": [0.0, 0.0], "upper": [7.0, 4.0]}, bodies=[disc], time={"end": 1.0})
+    run(case, tmp_path / "run")
+    found = probe(open_run(tmp_path / "run"), [[1.0, 0.5], [5.0, 3.0]])
+    assert found["p"].tolist() == [0.0, 0.0]

@@ -153,3 +153,11 @@ def test_where_the_gradient_is_given_none_is_found() -> None:
     assert "pressure_gradient" not in solution.instant.record
     assert fsi.solve(channel()).flux is None
     assert "pressure_gradient" not in solution_json(solution.case, solution.instant, solution.errors, None)
+
+
+def test_fluid_at_rest_beside_a_narrow_gap_is_a_flow_too() -> None:
+    """Nothing is missed, along which refinement could go on: of 0 / 0 there were no singular values."""
+    bodies = [DISC | {"position": [2.0, 1.001]}, {"name": "b", "radius": 0.01, "position": [3.01001, 1.001]}]
+    domain = {"lower": [0.0, 0.0], "upper": [7.0, 4.0], "periodic": ["x"], "pressure_gradient": 0.0}
+    data = {"name": "at rest", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": bodies}
+    assert np.all(fsi.solve(fsi.make_case(**data)).instant.U == 0.0)

@@ -25,6 +25,8 @@ def correction(operator: Map, d: Array, total: Map) -> Array:
     operator: K M on this rank's rows. d: K (b - M x), (rows,). total: sums over ranks, of arrays.
     """
     size = np.sqrt(total(d @ d))
+    if size == 0.0:  # nothing is missed, as of a part of a flow that rests
+        return np.zeros_like(d)
     basis, H = [d / size], np.zeros((STEPS + 1, STEPS))
     for j in range(STEPS):
         w = operator(basis[j])
