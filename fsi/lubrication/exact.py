@@ -9,7 +9,7 @@ The plane is y = 0 with the fluid above it. `gap` is the distance q from surface
 Signs are those of the whole project: y and V_y away from the plane, omega and T counterclockwise, F and T the
 EXTERNAL load that the motion needs (the fluid exerts the opposite). Every argument may be an array; arrays
 broadcast. Relative error: a few 1e-15 for every gap in double precision, since nothing here is a difference
-of nearly equal numbers. Gaps must be positive; others raise ValueError.
+of nearly equal numbers. Gaps and radii must be positive; others raise InputError.
 
 Sources: D. J. Jeffrey and Y. Onishi, "The slow motion of a cylinder next to a plane wall", Q. J. Mech. Appl.
 Math. 34 (1981) 129, for the plane; the pair follows in the same coordinates from two opposite stresslets
@@ -21,7 +21,14 @@ from math import factorial, sqrt
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fsi.errors import InputError
+
 Array = NDArray[np.float64]
+
+
+class NotPositiveError(InputError, ValueError):
+    """A gap or a radius is not positive."""
+
 
 # al cosh al - sinh al = sum_k 2k al^(2k+1) / (2k+1)!, all terms positive; nine give 16 digits up to al = 1.
 _FILM_SERIES = np.array([0.0] + [2.0 * k / factorial(2 * k + 1) for k in range(1, 10)])
@@ -125,11 +132,18 @@ def settling_gap(
 
 
 def gap_ratio(gap: ArrayLike, radius: ArrayLike) -> Array:
-    """The ratio s = q/a; raises ValueError where it is not positive."""
-    s = np.asarray(gap, dtype=np.float64) / np.asarray(radius, dtype=np.float64)
-    if not np.all(s > 0.0):
-        raise ValueError(f"gap / radius = {np.min(s)}: the exact laws need gap > 0 and radius > 0")
+    """The ratio s = q/a. Raises NotPositiveError where it, q or a is not positive."""
+    q, a = np.asarray(gap, dtype=np.float64), np.asarray(radius, dtype=np.float64)
+    _require_positive("gap", q)
+    _require_positive("radius", a)
+    s = np.asarray(q / a)
+    _require_positive("gap / radius", s)  # of an infinite radius it is not
     return s
+
+
+def _require_positive(name: str, values: Array) -> None:
+    if not np.all(values > 0.0):
+        raise NotPositiveError(f"{name} = {np.min(values):g}: the exact laws need gap > 0 and radius > 0")
 
 
 def bipolar_angle(s: ArrayLike) -> Array:

@@ -15,6 +15,8 @@ from fsi.bodies.configuration import Configuration
 from fsi.files import content, replace
 from fsi.integration.state import Past, State
 
+_ZIP = b"PK\x03\x04"
+
 
 @dataclass(frozen=True, slots=True)
 class Checkpoint:
@@ -48,13 +50,15 @@ def read_checkpoint(path: Path) -> Checkpoint:
     """What `write_checkpoint` wrote, bit by bit. Raises ValueError of what it has not written."""
     try:
         return _checkpoint(_arrays(path))
-    except (BadZipFile, EOFError, KeyError, TypeError, zlib.error) as error:
+    except (BadZipFile, EOFError, KeyError, RuntimeError, TypeError, zlib.error) as error:
         raise ValueError(f"{path.name}: {type(error).__name__} {error}") from None
 
 
 def _arrays(path: Path) -> dict[str, NDArray[Any]]:
-    packed = io.BytesIO(content(path, "give a run folder"))
-    with np.load(packed, allow_pickle=False) as archive:
+    packed = content(path, "give a run folder")
+    if not packed.startswith(_ZIP):  # of other files NumPy would say how to load them unsafely
+        raise ValueError(f"{path.name}: is no archive of arrays")
+    with np.load(io.BytesIO(packed), allow_pickle=False) as archive:
         return dict(archive.items())
 
 

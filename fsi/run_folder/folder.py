@@ -114,9 +114,7 @@ class RunFolder:
     def discard_if_unused(self) -> None:
         """Remove what this rank wrote of a run without a commit; not collective: others may have failed."""
         if is_root() and not (self.path / STATE).exists():
-            _empty(self.path)
-            if not self._given:
-                self.path.rmdir()
+            _discard(self.path, given=self._given)
 
     @property
     def case(self) -> Path:
@@ -136,7 +134,7 @@ class RunFolder:
         on_root(lambda: self._rewind(case, launch))
 
     def keep(self, commit: Commit) -> None:
-        """Add a step to tables and series, and commit unless that was just done. Raises as `commit`."""
+        """Add a step, and commit unless that was just done. Raises as `commit`; InputError: other columns."""
         on_root(lambda: self._keep(commit))
 
     def commit(self) -> None:
@@ -163,7 +161,7 @@ class RunFolder:
     def _keep(self, commit: Commit) -> None:
         record = commit.record
         tables = {STEPS: step_table(record), BODIES: body_table(record, commit.names), **commit.tables}
-        with disk(self.path, SolveError, self._goes_on):
+        with disk(self.path, InputError, REMEDY):
             rows = {table: self._text(table, *rows) for table, rows in tables.items()}
         self._next = None  # broken off between here and the end, nothing is committed
         for table, text in rows.items():
@@ -255,7 +253,7 @@ def _resolved(path: Path) -> Path:
 
 
 def _create(path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
-    with disk(path, InputError, "give a folder that can be written"):
+    with disk(path, InputError, "give a folder that can be written, or make room"):
         _require_new(path)
         if path.is_dir():
             return _fill(path, path, case, launch)
@@ -277,20 +275,22 @@ def _fill(partial: Path, path: Path, case: Case, launch: Mapping[str, Any]) -> K
             provenance = write_provenance(partial, case, [launch])
             replace(partial / CASE, case.as_toml().encode())
         except BaseException:
-            _empty(partial)
+            _discard(partial, given=partial == path)
             raise
         if partial != path:
             partial.rename(path)
         return Kept(provenance)
 
 
-def _empty(folder: Path) -> None:
-    """Remove what is in a folder."""
+def _discard(folder: Path, *, given: bool) -> None:
+    """Remove what is in a folder, and the folder, unless the user has given it."""
     for path in folder.iterdir():
         if path.is_dir():
             shutil.rmtree(path)
         else:
             path.unlink()
+    if not given:
+        folder.rmdir()
 
 
 def _require_new(path: Path) -> None:

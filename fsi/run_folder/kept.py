@@ -4,12 +4,10 @@
 what stands here beside what reads it. What the disk refuses, or has damaged, is said alike by both.
 """
 
-import csv
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +17,10 @@ from fsi.files import content, json_of, replace
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
 from fsi.run_folder.one_case import case_record, require_as_written
 from fsi.run_folder.paraview import Entry, read_collection
+from fsi.run_folder.rows import read_rows
 
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
 STEPS, BODIES = "steps.csv", "bodies.csv"
-_NAMES = ("body", "side")  # columns of words
 REMEDY = "put that right or run the case again"
 # Of the folder: what its files mean. Before the number case files had other keys; before 3 nothing told
 # whether the case has been changed since.
@@ -70,7 +68,7 @@ def sound(path: Path) -> Kept:
             return Kept(provenance)
         checkpoint = read_checkpoint(path / STATE)
         for table, length in checkpoint.lengths.items():
-            _require_rows(path / table, length)
+            _require_rows(path / table, length, checkpoint.state.t)
         series = {name: _entries(path, name, count) for name, count in checkpoint.entries.items()}
         return Kept(provenance, checkpoint, series)
 
@@ -88,29 +86,17 @@ def _require_beginning(path: Path) -> None:
         )
 
 
-def _require_rows(table: Path, length: int) -> None:
-    """Raise InputError unless the first bytes of a table are whole rows of its header's width, of numbers."""
+def _require_rows(table: Path, length: int, end: float) -> None:
+    """Raise InputError, ValueError unless a table begins with so many bytes of rows of a run to that time."""
     text = content(table, REMEDY)[:length] if length else b""
     if len(text) < length:
         raise InputError(f"output = {table.parent}: {table.name} has lost rows; put them back or run again")
     if not length:
         return
     try:
-        header, *rows = csv.reader(text.decode().splitlines())
-    except csv.Error as error:
+        read_rows(table.stem, text, end)
+    except ValueError as error:
         raise ValueError(f"{table.name}: {error}") from None
-    if not text.endswith(b"\n") or any(len(row) != len(header) for row in rows):
-        raise ValueError(f"{table.name}: rows are not of one width")
-    numbers = [k for k, column in enumerate(header) if column not in _NAMES]
-    for place, row in enumerate(rows, start=1):
-        try:
-            for k in numbers:
-                number = float(row[k])
-                if header[k] == "t" and not isfinite(number):  # others may have none at some instants
-                    raise ValueError
-        except ValueError:
-            cell = f'{header[k]} = "{row[k][:30]}"'
-            raise ValueError(f"{table.name}: {cell} in its row {place} is not a number") from None
 
 
 def _entries(path: Path, series: str, count: int) -> list[Entry]:

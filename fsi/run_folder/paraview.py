@@ -1,5 +1,6 @@
 """Files of ParaView: which file shows which time (.pvd), points and lines with numbers (.vtu)."""
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +31,12 @@ class Entry:
     t: float
     part: int
     file: str
+
+    @property
+    def step(self) -> int:
+        """The number of the step in the name of its file."""
+        number = re.search(r"_(\d+)", Path(self.file).stem)
+        return int(number[1]) if number else 0
 
 
 class Collection:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
+from fsi.case.arguments import require_type
 from fsi.errors import InputError
 from fsi.files import data_of, write_whole
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
@@ -42,8 +43,9 @@ def probe(run: Run, points: ArrayLike, step: int | None = None) -> pd.DataFrame:
     1e-4 of a cell beyond the fluid's boundary counts as on it. Periodic flows have values at all images, as
     `fsi.Solution.evaluate`.
 
-    Raises InputError: the run has no fields of that step, or those are no points.
+    Raises InputError: that is no run, it has no fields of that step, or those are no points.
     """
+    require_type("run", run, "give fsi.open_run(PATH)", right=isinstance(run, Run))
     letters, step = letters_of(run), run.step(step)
     points = given_points(points, run.case.dimension)
     fluid, container = run.mesh(step), run.container(step)

@@ -10,10 +10,10 @@ A run that is still going on, or that was killed, can be opened too: it then end
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -38,8 +38,8 @@ from fsi.run_folder.kept import CASE, PROVENANCE, STATE, require_as_begun
 from fsi.run_folder.paraview import Entry, read_collection
 
 Indices = NDArray[np.intp]
-
 _REMEDY = "give a run folder as `fsi run` has written it, or run the case again"
+_POINT_DATA = {"fluid": ("velocity",), "surface": ("traction",)}  # known at nodes, by series
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 
 
@@ -54,9 +54,6 @@ def open_run(path: Path | str) -> Run:
     return Run(path)
 
 
-_POINT_DATA = {"fluid": ("velocity",), "surface": ("traction",)}  # known at nodes, by series
-
-
 @dataclass(frozen=True)
 class Run:
     """An open run folder. What the tables and series held when they were first asked for is kept.
@@ -69,7 +66,7 @@ class Run:
 
     def __repr__(self) -> str:
         """What it is and how far it has come, in one line."""
-        return f"<Run {self.case.name!r}: {self.case.model}, {len(self.steps)} steps to t = {self.end:g}>"
+        return f"<Run {self.case.name!r}: {self.case.model}, {len(self._steps)} steps to t = {self.end:g}>"
 
     @cached_property
     def case(self) -> Case:
@@ -88,20 +85,29 @@ class Run:
         """What its pictures are made of: "fluid", "bodies" (and their contacts), or "profile"."""
         return self.case.level.series
 
-    @cached_property
+    @property
     def steps(self) -> pd.DataFrame:
-        """steps.csv, a row for each step. Raises InputError, as does `bodies`."""
+        """steps.csv, a row for each step; a copy. Raises InputError, as does `bodies`."""
+        return self._steps.copy()
+
+    @property
+    def bodies(self) -> pd.DataFrame:
+        """bodies.csv, a row for each step and body; a copy."""
+        return self._bodies.copy()
+
+    @cached_property
+    def _steps(self) -> pd.DataFrame:
         return self.table("steps")
 
     @cached_property
-    def bodies(self) -> pd.DataFrame:
-        """bodies.csv, a row for each step and body."""
+    def _bodies(self) -> pd.DataFrame:
         return self.table("bodies")
 
     def table(self, name: str) -> pd.DataFrame:
         """The complete rows of the table `name`.csv. Raises InputError: none, or someone has changed them."""
-        path = self.path / f"{name}.csv"
-        return read_table(path, self._commit.lengths.get(path.name) if self._commit else None)
+        path, commit = self.path / f"{name}.csv", self._commit
+        length, end = (commit.lengths.get(path.name), commit.state.t) if commit else (None, inf)
+        return read_table(path, length, end)
 
     def columns(self, name: str) -> dict[str, Array]:
         """The columns of numbers of `name`.csv, each of shape (rows,). Raises InputError."""
@@ -115,7 +121,7 @@ class Run:
 
     def times_of(self, series: str) -> pd.Series[float]:
         """The same for another series, such as "surface"."""
-        times = {_step(entry): entry.t for entry in self._entries(series)}
+        times = {entry.step: entry.t for entry in self._entries(series)}
         return pd.Series(times, name="t", dtype=float).rename_axis("step")
 
     def has(self, series: str) -> bool:
@@ -139,7 +145,7 @@ class Run:
 
     def files(self, step: int, series: str = "fluid") -> list[Path]:
         """The field files of a step, one of each rank."""
-        return [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]
+        return [self.path / entry.file for entry in self._entries(series) if entry.step == step]
 
     def step(self, step: int | None = None, series: str = "fluid") -> int:
         """That step, or the last one, if it has fields. Raises InputError."""
@@ -186,14 +192,14 @@ class Run:
         return self.case.domain.mean_drive().mean_stress is not None
 
     def _of_step(self, step: int, column: str) -> float:
-        return float(rows_of(self.steps, step)[column].iloc[0])
+        return float(rows_of(self._steps, step)[column].iloc[0])
 
     def configuration(self, step: int) -> Configuration:
         """Where the bodies were at a step. Raises InputError: bodies.csv has none of it."""
         start, d = self.case.configuration(), self.case.dimension
         if not len(start):
             return start
-        x, angles = np.hsplit(rows_of(self.bodies, step)[list(PLACES[d])].to_numpy(), [d])
+        x, angles = np.hsplit(rows_of(self._bodies, step)[list(PLACES[d])].to_numpy(), [d])
         return replace(start, centres=x, angles=angles.reshape(start.angles.shape), strain=self.strain(step))
 
     def meshed(self, step: int) -> Configuration:
@@ -210,7 +216,7 @@ class Run:
     @property
     def end(self) -> float:
         """Time of the last complete step. Raises InputError where there is none."""
-        return float(self.steps["t"].iloc[-1])
+        return float(self._steps["t"].iloc[-1])
 
     @property
     def asked(self) -> float | None:
@@ -221,7 +227,7 @@ class Run:
     def finished(self) -> bool:
         """Whether the run has reached that end."""
         least = None if self.case.time is None else self.case.time.contact_gap
-        if least is not None and float(self.steps["smallest_gap"].iloc[-1]) <= least:
+        if least is not None and float(self._steps["smallest_gap"].iloc[-1]) <= least:
             return True  # in contact
         return self.asked is not None and self.end >= self.asked
 
@@ -256,12 +262,6 @@ def _sound[T](read: Callable[[Path], T], path: Path) -> T:
         return read(path)
     except ValueError as error:
         raise InputError(f"{path}: is damaged ({error}); {_REMEDY}") from None
-
-
-def _step(entry: Entry) -> int:
-    """The number of the step in the name of its file."""
-    number = re.search(r"_(\d+)", Path(entry.file).stem)
-    return int(number[1]) if number else 0
 
 
 def _joined(parts: list[pv.UnstructuredGrid]) -> pv.UnstructuredGrid:

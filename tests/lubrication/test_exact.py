@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
+from fsi.errors import InputError
 from fsi.lubrication import exact
 
 REFERENCE = Path(__file__).parents[1] / "reference"
@@ -143,7 +144,19 @@ def test_arrays_broadcast() -> None:
     assert exact.held_in_shear(q, 1.0, 1.0, a)[1].shape == (2, 3)
 
 
-@pytest.mark.parametrize("gap", [0.0, -0.1, np.nan])
-def test_no_law_for_overlap(gap: float) -> None:
-    with pytest.raises(ValueError, match="gap > 0"):
-        exact.normal_resistance(gap, 1.0, 1.0)
+@pytest.mark.parametrize(
+    ("gap", "radius", "named"),
+    [
+        (0.0, 1.0, "gap = 0"),
+        (-0.1, 1.0, r"gap = -0\.1"),
+        (np.nan, 1.0, "gap = nan"),
+        (-1.0, -1.0, "gap = -1"),  # whose ratio is positive
+        (0.0, 0.0, "gap = 0"),  # whose ratio is none
+        (1.0, 0.0, "radius = 0"),
+        (1.0, -1.0, "radius = -1"),
+        (1.0, np.inf, "gap / radius = 0"),
+    ],
+)
+def test_no_law_for_overlap(gap: float, radius: float, named: str) -> None:
+    with pytest.raises(InputError, match=f"^{named}: the exact laws need gap > 0 and radius > 0$"):
+        exact.normal_resistance(gap, radius, 1.0)

@@ -148,5 +148,5 @@ def test_arrays_broadcast() -> None:
 
 @pytest.mark.parametrize("gap", [0.0, -0.1, np.nan, 1e-11])
 def test_no_law_for_overlap_or_too_small_a_gap(gap: float) -> None:
-    with pytest.raises(ValueError, match="gap / radius"):
+    with pytest.raises(ValueError, match=r"^gap "):
         exact.parallel_resistance(gap, 1.0, 1.0)

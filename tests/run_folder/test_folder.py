@@ -94,6 +94,22 @@ def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
     start(small_case(), tmp_path / "empty")
 
 
+def test_a_disk_without_room_for_the_case_keeps_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hidden folder stayed beside it; a folder that the user has made stays, empty."""
+
+    def full(path: Path, _: bytes) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    (tmp_path / "mine").mkdir()
+    monkeypatch.setattr("fsi.run_folder.folder.replace", full)
+    for name in ("new", "mine"):
+        with pytest.raises(InputError, match=f"{name}: No space left .*; give a folder .*, or make room$"):
+            start(small_case(), tmp_path / name)
+    assert [path.relative_to(tmp_path) for path in tmp_path.rglob("*")] == [Path("mine")]
+
+
 def test_an_empty_folder_is_filled_and_stays_the_one_that_it_was(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -153,10 +169,10 @@ def test_rows_with_other_columns_than_their_table_are_refused(tmp_path: Path) ->
             found = super().__call__(q, t, inertia)
             return replace(found, record={k: v for k, v in found.record.items() if t < 0.3})
 
-    with pytest.raises(SolveError, match=r"the new rows of steps\.csv have other columns than it has"):
+    with pytest.raises(InputError, match=r"the new rows of steps\.csv have other columns than it has"):
         run(case, tmp_path / "run", make=by(partial(Forgetful, noise=1e-4)))
     kept = len(rows(tmp_path / "run" / "steps.csv"))
-    with pytest.raises(SolveError, match=r"the new rows of steps\.csv have other columns"):
+    with pytest.raises(InputError, match=r"the new rows of steps\.csv have other columns"):
         resume(tmp_path / "run", make=by(partial(Forgetful, noise=1e-4)))
     assert len(rows(tmp_path / "run" / "steps.csv")) == kept
 
@@ -172,7 +188,7 @@ def test_a_table_takes_no_rows_under_another_header(tmp_path: Path) -> None:
     folder = RunFolder.create(tmp_path / "run", small_case(), launch())
     folder.keep(step(0, "stress"))
     folder.keep(step(1, "stress"))
-    with pytest.raises(SolveError, match=r"the new rows of extra\.csv have other columns"):
+    with pytest.raises(InputError, match=r"the new rows of extra\.csv have other columns .*; put that right"):
         folder.keep(step(2, "strain"))
     folder.rescue()
     assert (tmp_path / "run" / "extra.csv").read_text() == "step,stress\n0,1.0\n1,1.0\n"

@@ -49,6 +49,12 @@ def test_one_point_or_none(tmp_path: Path) -> None:
     assert probe(run, []).empty
 
 
+def test_a_path_is_no_run(tmp_path: Path) -> None:
+    folder: Any = str(write_spatial_run(tmp_path))
+    with pytest.raises(InputError, match=r"^run: is a str; give fsi\.open_run\(PATH\)$"):
+        probe(folder, [0.5, 0.0, 0.0])
+
+
 def test_rectangles_lie_across_an_axis() -> None:
     grid = on_plane([0.0, 1.0, -1.0], [2.0, 1.0, 1.0], 3)
     assert grid.shape == (9, 3)

@@ -73,6 +73,19 @@ def test_not_a_run_folder(tmp_path: Path) -> None:
         fsi.open_run(tmp_path)
 
 
+def test_tables_are_copies(tmp_path: Path) -> None:
+    """What a user writes into them changed what the run says of itself."""
+    start(small_case(), tmp_path / "run")
+    opened = fsi.open_run(tmp_path / "run")
+    told, last = repr(opened), int(opened.steps["step"].iloc[-1])
+    before = opened.configuration(last).centres
+    steps, bodies = opened.steps, opened.bodies
+    steps["t"] = bodies["x"] = 1000.0
+    assert repr(opened) == told
+    assert opened.end == 1.0
+    np.testing.assert_array_equal(opened.configuration(last).centres, before)
+
+
 def test_a_killed_run_ends_at_its_last_complete_step(tmp_path: Path) -> None:
     """What was written after the last commit, here half a row and a bad one, is not there for readers."""
     folder = tmp_path / "run"

@@ -44,9 +44,13 @@ def test_what_does_not_apply_at_an_instant_is_not_a_number(tmp_path: Path) -> No
         (HEADER.replace(",x,", ",xx,"), ROWS, r'a column is "xx" where "x" stood'),
         ("step,t,body,x", [",".join(row.split(",")[:4]) for row in ROWS], r'its column "y" is missing'),
         (HEADER, [ROWS[0].replace("-1", "a"), *ROWS[1:]], r'V_y = "a" in its row 1 is not a number'),
-        (HEADER, [*ROWS[:3], ROWS[3][:20], *ROWS[4:]], r"in its row 4 is not a number"),
+        (HEADER, [*ROWS[:3], ROWS[3][:20], *ROWS[4:]], "its row 4 has 8 cells under 12 columns"),
         (HEADER, [*ROWS[:3], *ROWS[4:]], "different numbers of bodies"),
-        (HEADER, [ROWS[0] + ",5,6", *ROWS[1:], ROWS[0] + ",7,8,9"], "Expected"),
+        (HEADER, [ROWS[0] + ",5,6", *ROWS[1:]], "its row 1 has 14 cells under 12 columns"),
+        (HEADER.rpartition(",")[0], ROWS, "its row 1 has 12 cells under 11 columns"),
+        (HEADER, [*ROWS[:-1], ROWS[-1].replace("2,0.2", "2,inf")], "t = inf in its row 6 is not finite"),
+        (HEADER, [*ROWS[2:], *ROWS[:2]], r"step = 0 in its row 5 comes after 2"),
+        (HEADER, [row.replace("2,0.2", "2,0.0") for row in ROWS], r"t = 0.0 in its row 5 comes after 0.1"),
     ],
 )
 def test_a_table_that_was_changed(header: str, rows: list[str], how: str, tmp_path: Path) -> None:
@@ -54,6 +58,32 @@ def test_a_table_that_was_changed(header: str, rows: list[str], how: str, tmp_pa
     with pytest.raises(InputError, match=how) as refused:
         read_table(path, None)
     assert "\n" not in str(refused.value)
+
+
+def test_a_row_that_is_after_the_end_of_the_run(tmp_path: Path) -> None:
+    """Whoever went on would write earlier times behind it."""
+    path = bodies(tmp_path)
+    assert len(read_table(path, None, 0.2)) == len(ROWS)
+    with pytest.raises(InputError, match=r"t = 0\.2 in its last row is after t = 0\.1, the run's last"):
+        read_table(path, None, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "columns"),
+    [
+        ("profiles", "step,t,m,x,rho,u,gamma"),
+        ("contacts", "step,t,side,body,gap,gamma,impulse,solid_impulse"),
+    ],
+)
+def test_columns_of_the_tables_of_two_models(name: str, columns: str, tmp_path: Path) -> None:
+    path = tmp_path / f"{name}.csv"
+    words = columns.split(",")
+    row = ",".join(str(k) for k in range(len(words)))
+    path.write_text(f"{columns}\n{row}\n")
+    assert list(read_table(path, None)) == words
+    path.write_text(f"{columns.replace(words[2], 'q')}\n{row}\n")
+    with pytest.raises(InputError, match=f'a column is "q" where "{words[2]}" stood'):
+        read_table(path, None)
 
 
 def test_a_table_that_was_cut(tmp_path: Path) -> None:
