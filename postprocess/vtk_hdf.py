@@ -21,6 +21,7 @@ from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline 
 
 from fsi.errors import InputError
 from fsi.files import require_suffix, unfinished
+from fsi.pores.vtu import GRADIENT
 from fsi.postprocess.run.run import Run
 
 SUFFIX = ".vtkhdf"
@@ -68,11 +69,20 @@ class _Steps(VTKPythonAlgorithmBase):
         if self.error is None:
             try:
                 mesh = self._run.mesh(self._numbers[k], self._series)
+                self._fill(mesh)
                 self.sums[k] = _sum(mesh)
                 return mesh
             except BaseException as error:  # also Ctrl-C
                 self.error = error
         return pv.UnstructuredGrid()
+
+    def _fill(self, mesh: pv.UnstructuredGrid) -> None:
+        """Arrays that not all meshes have, as all of a series must: between pores a pressure, NaN there."""
+        if self._series != "fluid" or self._run.case.level.pressure or "pressure" in mesh.point_data:
+            return
+        mesh.point_data["pressure"] = np.full(mesh.n_points, np.nan, mesh["strain_rate"].dtype)
+        for name in GRADIENT:
+            mesh.cell_data[name] = np.full(mesh.n_cells, np.nan)
 
 
 def write_vtkhdf(run: Run, output: Path, series: str | None = None) -> int:

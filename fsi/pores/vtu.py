@@ -25,6 +25,7 @@ from fsi.pores.pressure import PressureField
 from fsi.run_folder.paraview import in_space, write_lines, write_vtu
 
 ORDER = 6
+GRADIENT = ("dp_dx", "dp_dy")  # of cells: the mean pressure gradient, the same one in all
 _SIDE = ORDER + 1
 _PATCH = _SIDE**2  # points of a patch, row by row
 
@@ -47,7 +48,7 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, pressure: PressureField
     of_cells = {"pore": [np.concatenate([pore[~ends], pore[~ends], pore[ends]])]}
     if pressure is not None:
         values["pressure"] = nodes[:, 7]
-        for name, G in zip(("dp_dx", "dp_dy"), pressure.gradient, strict=True):
+        for name, G in zip(GRADIENT, pressure.gradient, strict=True):
             of_cells[name] = [np.full(len(cells), G)]
     write_vtu(path, meshio.Mesh(in_space(nodes[:, :2]), [("VTK_LAGRANGE_TRIANGLE", cells)], values, of_cells))
 

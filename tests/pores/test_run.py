@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,16 @@ import pyvista as pv
 
 import fsi
 from fsi.case.load import load_case
+from fsi.errors import InputError
 from fsi.models import make_evolution
 from fsi.pores.instant import FEW, PoreInstant
 from fsi.postprocess.render import canvas
+from fsi.postprocess.render.render import render_run
+from fsi.postprocess.render.view import Choice
 from fsi.postprocess.report import write_report
 from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import Run, nodes, open_run
+from fsi.postprocess.vtk_hdf import write_vtkhdf
 from fsi.runs import resume, run
 from tests.commands import fsi_command
 from tests.pore_cases import BOX, PULLED, case_of
@@ -231,3 +236,21 @@ def test_fluid_at_rest_in_a_box_has_no_pressure_above_its_level(tmp_path: Path) 
     run(case, tmp_path / "run")
     found = probe(open_run(tmp_path / "run"), [[1.0, 0.5], [5.0, 3.0]])
     assert found["p"].tolist() == [0.0, 0.0]
+
+
+def test_a_run_whose_later_steps_have_no_pressure_is_exported_and_not_filmed(
+    sheared: Run, tmp_path: Path
+) -> None:
+    """VTK's files have the same arrays at all steps: NaN. They failed, and films by a KeyError."""
+    folder = shutil.copytree(sheared.path, tmp_path / "run")
+    copied = open_run(folder)
+    last = copied.step()
+    (path,) = copied.files(last)
+    mesh = pv.read(path)
+    for data, name in ((mesh.point_data, "pressure"), (mesh.cell_data, "dp_dx"), (mesh.cell_data, "dp_dy")):
+        del data[name]
+    mesh.save(path)
+    assert write_vtkhdf(copied, tmp_path / "run.vtkhdf") == len(copied.times_of("fluid"))
+    with pytest.raises(InputError, match=f"--field pressure: is not in the files of step {last}; between"):
+        render_run(copied, tmp_path / "run.gif", Choice(field="pressure", size=120))
+    assert not (tmp_path / "run.gif").exists()
