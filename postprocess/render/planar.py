@@ -20,13 +20,12 @@ from fsi.postprocess.render.fields import (
 from fsi.postprocess.render.mean_flow import is_sheared, sliding_walls
 from fsi.postprocess.render.network import NECKS
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
-from fsi.postprocess.render.scenes import Scene, gap_at, in_window, scene, window_on
+from fsi.postprocess.render.scenes import RIBBON, Scene, gap_at, in_window, scene, window_on
 from fsi.postprocess.render.suspended import MOTION
 from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.run import Run
 
 _STREAMLINES = 24
-_RIBBON = 0.05  # width of the ribbon that shows what bodies carry, in halves of the window
 
 
 class PlanarArtist(FlowArtist):
@@ -75,12 +74,15 @@ class PlanarArtist(FlowArtist):
         if self.choice.span is not None:
             return [self.choice.span] * len(self.panels)
         scenes = (self._scenes(step, window) for step in steps)
-        ends = np.array([[field.scale.span(*seen.samples(field)) for field, seen, _ in at] for at in scenes])
-        low, high = ends[..., 0].min(axis=0).tolist(), ends[..., 1].max(axis=0).tolist()
-        return list(zip(low, high, strict=True))
+        each = [[field.scale.span(*seen.samples(field)) for field, seen, _ in at] for at in scenes]
+        return [
+            field.scale.joined(of)
+            for (field, _), of in zip(self.panels, zip(*each, strict=True), strict=True)
+        ]
 
     def _read(self, step: int, window: View) -> list[tuple[RenderedField, Scene, SurfaceGap | None]]:
-        """What the panels show of a step."""
+        """What the panels show of a step. Raises InputError: not all steps of a film have it in their files."""
+        self.require(step)
         tractions = any(field.on_bodies for field, _ in self.panels) and bool(self.run.case.bodies)
         shown = []
         for field, close in self.panels:
@@ -92,7 +94,7 @@ class PlanarArtist(FlowArtist):
     def _picture(self, step: int, window: View, spans: Sequence[Span]) -> Picture:
         scenes, framed = self._scenes(step, window), []
         for (field, seen, gap), span in zip(scenes, spans, strict=True):
-            shades = ScalarMappable(field.scale.norm(span), field.colour_map)
+            shades = field.shades(span)
             panel = new_panel(seen.view, self.choice.size, self.choice.theme)
             _draw(panel, seen, field, shades)
             panel.bodies(seen.q, turning=not seen.axisymmetric)
@@ -115,7 +117,7 @@ def _draw(panel: Panel, seen: Scene, field: RenderedField, shades: ScalarMappabl
         panel.fill(seen.bare_surface(panel.size), "white")
         if seen.bodies is not None:
             seen.bodies["value"] = field.value(seen.bodies.point_data, seen.viscosity)
-            panel.colour(rims(seen.bodies, _RIBBON).translate((0.0, 0.0, 3e-3)), shades)
+            panel.colour(rims(seen.bodies, RIBBON).translate((0.0, 0.0, 3e-3)), shades)
         return
     surface = seen.surface(field, panel.size)
     panel.colour(surface, shades)
