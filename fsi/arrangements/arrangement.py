@@ -1,7 +1,7 @@
 """Which arrangement is asked for, and what comes out: bodies in a cell."""
 
 from dataclasses import dataclass
-from math import pi
+from math import floor, log10, pi
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from fsi.arrangements.cell import Array, SimulationCell
 from fsi.arrangements.convex import ConvexShape
 from fsi.arrangements.oriented import OrientedBodies
+from fsi.errors import InputError
 
 BODY_BYTES = 20e3  # measured at 20 000 bodies at random
 # For each kind of cell whether it is periodic along the flow, and across it.
@@ -20,6 +21,13 @@ def volumes(radii: ArrayLike, dimension: int) -> Array:
     """Areas pi a^2 of discs, or volumes 4 pi a^3 / 3 of spheres."""
     factor = {2: pi, 3: 4.0 * pi / 3.0}[dimension]
     return np.asarray(factor * np.asarray(radii, dtype=np.float64) ** dimension)
+
+
+def too_large(fraction: float, what: str, largest: float) -> InputError:
+    """The refusal of an area fraction, for some bodies with their gaps; with the largest, to four digits."""
+    digits = 10.0 ** (3 - floor(log10(largest)))
+    bound = f"the largest possible is {floor(largest * digits) / digits:g}"
+    return InputError(f"area fraction = {fraction:g}: too large for {what}; {bound}; lower it, or the gap")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from math import sqrt
 
 import numpy as np
 
-from fsi.arrangements.arrangement import Arrangement, Wanted, volumes
+from fsi.arrangements.arrangement import Arrangement, Wanted, too_large, volumes
 from fsi.arrangements.cell import Array, SimulationCell
 from fsi.errors import InputError
 
@@ -56,8 +56,7 @@ def crystal(unit: UnitCell) -> Callable[[Wanted], Arrangement]:
         )
         largest = len(places) * of_one / (sides.prod() * least**3)
         if w.fraction > largest * (1.0 + 1e-12):
-            bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
-            raise InputError(f"area fraction = {w.fraction:g}: too large for these gaps; {bound}")
+            raise too_large(w.fraction, f"gaps of {w.gap:g} radii", largest)
         every = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, 1, 3)
         centres: Array = ((every + places) * sides * s).reshape(-1, 3)
         cell = SimulationCell(tuple((counts * sides * s).tolist()), w.periodic)

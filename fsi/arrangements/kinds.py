@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from fsi.arrangements.arrangement import Arrangement, Wanted
+from fsi.arrangements.arrangement import Arrangement, Wanted, too_large
 from fsi.arrangements.cell import Array, SimulationCell
 from fsi.arrangements.crystals import BODY_CENTRED, CLOSE_PACKED, CUBIC, FACE_CENTRED, crystal
 from fsi.arrangements.oriented_packing import oriented_arrangement
@@ -139,8 +139,7 @@ def _need_periodic_x(w: Wanted, what: str) -> None:
 
 def _check_fraction(w: Wanted, largest: float) -> None:
     if w.fraction > largest * (1.0 + 1e-12):
-        bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
-        raise InputError(f"area fraction = {w.fraction:g}: too large for these gaps; {bound}")
+        raise too_large(w.fraction, f"gaps of {w.gap:g} radii", largest)
 
 
 def radii_of(w: Wanted) -> Array:

@@ -36,7 +36,8 @@ def oriented_arrangement(radii: Array, w: Wanted) -> Arrangement:
     here = f"area fraction = {w.fraction:g}: "
     around = radii + 0.5 * w.gap
     if w.fraction * float(np.sum(around**2) / np.sum(radii**2)) > LIMIT:
-        raise InputError(f"{here}too large for {w.shape}s at random with gaps of {w.gap:g} radii; lower it")
+        what = f"{w.shape}s at random with gaps of {w.gap:g} radii"
+        raise InputError(f"{here}too large for {what}; lower it, or the gap")
     longest = 2.0 * shape.half_length * float(radii.max()) + w.gap
     if any(so and side < 2.0 * longest for side, so in zip(cell.sides, w.periodic, strict=True)):
         short = f"the cell is shorter than two {w.shape}s of ratio {w.ratio:g}"

@@ -20,7 +20,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.arrangements.arrangement import Arrangement, Wanted, volumes
+from fsi.arrangements.arrangement import Arrangement, Wanted, too_large, volumes
 from fsi.arrangements.cell import Array, SimulationCell
 from fsi.errors import InputError
 
@@ -50,9 +50,8 @@ def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
     """
     largest = largest_fraction(radii, w.periodic, w.aspect, w.gap)
     if w.fraction > largest:
-        here = f"too large for {len(radii)} bodies at random with gaps of {w.gap:g} radii"
-        bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
-        raise InputError(f"area fraction = {w.fraction:g}: {here}; {bound}")
+        here = f"{len(radii)} bodies at random with gaps of {w.gap:g} radii"
+        raise too_large(w.fraction, here, largest)
     cell = cell_for(radii, w.fraction, w.periodic, w.aspect)
     gap = w.gap + ROUNDING * max(cell.sides)
     rng = np.random.default_rng(w.seed)
@@ -78,7 +77,10 @@ def largest_fraction(radii: Array, periodic: tuple[bool, ...], aspect: float, ga
         fits = bool(np.all(np.array(cell.sides) > 2.0 * radii.max() + gap + gap * ~np.array(periodic)))
         return grown / float(np.prod(room)) - LIMITS[d] if fits else 1.0
 
-    return float(scipy.optimize.brentq(excess, 1e-9, 1.0, xtol=1e-12))
+    low = high = 1.0
+    while excess(low) > 0.0:
+        low, high = 0.1 * low, low
+    return float(scipy.optimize.brentq(excess, low, high, xtol=1e-12 * low))
 
 
 def _without_overlaps(cell: SimulationCell, radii: Array, gap: float, x: Array) -> Array | None:
@@ -180,12 +182,20 @@ def proposal(
 
     home = square(x)
     number = np.where(cell.periodic, home % squares, home).astype(np.intp)
-    counts = number.max(axis=0) + 1
-    flat = np.ravel_multi_index(tuple(number.T), tuple(counts))
-    order = rng.permutation(len(x))
-    occupant = np.full(int(np.prod(counts)), -1)
-    occupant[flat[order]] = order  # the last one stays
-    chosen = occupant[flat] == np.arange(len(x))
+    chosen = _one_of_each(number, rng)
     chosen &= np.all((number % 2 == colour) | (squares == 1), axis=1)
     moved = x + np.where(chosen[:, None], rng.uniform(-length, length, x.shape), 0.0)
     return moved, chosen & np.all(square(moved) == home, axis=1)
+
+
+def _one_of_each(number: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.bool_]:
+    """One body of each square, all of its bodies as likely, (N,); `number` of the square of each, (N, d).
+
+    Squares without bodies take neither time nor memory: of a dilute arrangement they are nearly all.
+    """
+    order = rng.permutation(len(number))
+    order = order[np.lexsort(number[order].T)]  # which leaves those of one square in their order
+    is_last = np.any(np.diff(number[order], axis=0, append=-1) != 0, axis=1)
+    chosen = np.zeros(len(number), dtype=np.bool_)
+    chosen[order[is_last]] = True
+    return chosen

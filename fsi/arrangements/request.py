@@ -10,6 +10,7 @@ from fsi.errors import InputError
 
 type Spelling = Callable[[str, Any], str]
 
+SMALLEST, LARGEST = 1e-50, 1e50  # as in a case: volumes of what is larger are no numbers
 _SPREADS = {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2}  # unless it is given
 
 
@@ -54,8 +55,9 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
         ("ratio", asked.ratio, 1.0), ("aligned", asked.aligned or 0.0, -360.0),
     ):  # fmt: skip
         at_least = name in ("gap", "spread", "aligned")
-        if not least <= value < float("inf") or (value == least and not at_least):
-            raise InputError(f"{spelled(name, value)}: out of range; give a number above {least:g}")
+        if not least <= value <= LARGEST or (value == least and not at_least) or 0.0 < value < SMALLEST:
+            bounds = f"above {least:g}, from {SMALLEST:g} to {LARGEST:g} in size"
+            raise InputError(f"{spelled(name, value)}: out of range; give a number {bounds}")
     if asked.fraction >= 1.0:
         given = spelled("area_fraction", asked.fraction)
         raise InputError(f"{given}: bodies cannot fill all; give a number below 1")

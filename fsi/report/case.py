@@ -4,9 +4,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.section import toml_text
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.report.console import table
 from fsi.report.gaps import print_gaps
@@ -51,24 +53,22 @@ def _case_table(case: Case) -> Table:
     words = ("body", "position", "radius", "smallest gap", "to")
     modes = (components(case)[k] for k in np.flatnonzero(case.modes))
     shown = table((*words, *modes), (), title=case.name, title_justify="left")
-    held = case.held()
+    held, q, container = case.held(), case.configuration(), case.container()
     for i, body in enumerate(case.bodies[:_MOST]):
-        gap, neighbour = _nearest(case, i)
+        gap, k = _nearest(q, container, i)
+        neighbour = (*case.names, *container.walls)[k]
         position = ", ".join(f"{x:.6g}" for x in body.position)
         motion = ("held" if is_held else "free" for is_held in held[i, case.modes])
         shown.add_row(body.name, position, f"{body.radius:.6g}", f"{gap:.6g}", neighbour, *motion)
     return shown
 
 
-def _nearest(case: Case, i: int) -> tuple[float, str]:
-    """The smallest gap of body i and the name of what lies there, a body or a wall."""
-    q, container = case.configuration(), case.container()
+def _nearest(q: Configuration, container: Container, i: int) -> tuple[float, int]:
+    """The smallest gap of body i, and what lies there: its place in the bodies followed by the walls."""
     if q.shaped:
-        found = find_gaps(q, container, np.inf)
-        of_i = np.flatnonzero((found.pairs == i).any(axis=1))
-        least = np.append(found.pair_gaps[of_i], found.wall_gaps[i])
-        names = [case.names[j] for j in found.pairs[of_i].sum(axis=1) - i] + list(container.walls)
-        return float(least.min()), names[int(least.argmin())]
+        reach = 2.0 * float(q.radii.max())
+        nearest = _nearest_within(q, container, i, reach)
+        return nearest if nearest[0] <= reach else _nearest_within(q, container, i, np.inf)
     lattice = Lattice(container.periods)
     apart = q.centres - q.centres[i]
     apart = apart - lattice.shift(lattice.nearest(apart))
@@ -76,4 +76,15 @@ def _nearest(case: Case, i: int) -> tuple[float, str]:
     to_images = lattice.shift(lattice.near()[1:])
     to_bodies[i] = np.linalg.norm(to_images, axis=1).min(initial=np.inf) - q.radii[i]
     gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
-    return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]
+    return float(gaps.min()), int(gaps.argmin())
+
+
+def _nearest_within(q: Configuration, container: Container, i: int, reach: float) -> tuple[float, int]:
+    """The same by the outlines, of pairs up to a gap; infinite where there is none."""
+    found = find_gaps(q, container, reach)
+    of_i = np.flatnonzero((found.pairs == i).any(axis=1))
+    sides = np.append(found.pairs[of_i].sum(axis=1) - i, len(q) + np.arange(len(container.walls)))
+    gaps = np.append(found.pair_gaps[of_i], found.wall_gaps[i])
+    if len(gaps) == 0:
+        return np.inf, -1
+    return float(gaps.min()), int(sides[gaps.argmin()])

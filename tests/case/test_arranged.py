@@ -65,6 +65,14 @@ def test_defaults_hold_for_arranged_bodies() -> None:
             r"area_fraction = 1.2: bodies cannot fill all",
         ),
         ({"arrangement": GIVEN | {"area_fraction": 0.95}}, r"^arrangement: "),
+        # The squares and cubes of these are no numbers: they raised OverflowError.
+        ({"arrangement": GIVEN | {"gap": 1e200}}, r"^arrangement.gap = 1e\+200: out of range; .* to 1e\+50"),
+        (
+            {"arrangement": {"kind": "square", "number": 16, "area_fraction": 0.4, "gap": 1e200}},
+            r"^arrangement.gap = 1e\+200: out of range",
+        ),
+        ({"arrangement": GIVEN | {"area_fraction": 1e-300}}, r"^arrangement.area_fraction = 1e-300: out of"),
+        ({"arrangement": GIVEN | {"radius": 1e-200}}, r"^arrangement.radius = 1e-200: out of range"),
         ({"arrangement": GIVEN, "bodies": []}, r"bodies: the bodies are those of \[arrangement\]; drop one"),
         (
             {"arrangement": GIVEN, "domain": {"lower": [0.0, 0.0]}},

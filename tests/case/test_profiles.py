@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import copy
 import tomllib
-from typing import Any, Literal, override
+from typing import Any, Literal, NoReturn, override
 
 import numpy as np
 import pytest
 
 from fsi.bodies.gaps import wall_gaps
 from fsi.case.case import Case
+from fsi.case.checks import sound
 from fsi.case.load import parse_case
 from fsi.case.profiles.profile import WallProfile, register_profile
 from fsi.errors import InputError
@@ -73,6 +74,30 @@ def test_a_body_in_a_crest_is_refused() -> None:
     body = {"name": "disc", "radius": 1.0, "position": [-0.75, 1.25]}
     with pytest.raises(InputError, match=r"'disc' touches or crosses wall 'bottom' \(gap -0.05"):
         profiled(bodies=[body])
+
+
+@pytest.mark.parametrize(
+    ("size", "here"),
+    [
+        ({"radius": 20.0}, "radius = 20.0"),
+        ({"radius": 1e9}, r"radius = 1000000000\.0"),
+        ({"shape": {"kind": "ellipse", "axes": [1e9, 1e8]}}, r'shape = \{kind = "ellipse", .*\}'),
+    ],
+)
+def test_a_body_larger_than_the_domain_is_refused_at_once(
+    size: dict[str, Any], here: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Points beside each wave all around it filled the memory. Its size: 17.8885, the diagonal, + 1.5."""
+
+    def followed(*_: object) -> NoReturn:
+        raise AssertionError("the outline is followed")
+
+    monkeypatch.setattr(sound, "wall_gaps", followed)
+    message = (
+        rf"^bodies\.0\.{here}: body 'disc' is larger than the domain \(of the size 19\.3885\); shrink it"
+    )
+    with pytest.raises(InputError, match=message):
+        profiled(bodies=[{"name": "disc", "position": [0.0, 2.0]} | size])
 
 
 def test_a_shape_of_walls_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,12 +4,14 @@ import io
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from rich.console import Console
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import foot_between
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.integration.errors import ErrorEstimate
@@ -184,6 +186,37 @@ def test_a_shape_far_from_all_has_no_table_of_gaps() -> None:
     body = {"name": "rod", "shape": shape, "position": [0.0, 0.0]}
     data = {"name": "x", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": [body]}
     assert "gap between" not in standard_output_of(parse_case(data))
+
+
+def test_the_nearest_of_two_shapes_far_from_each_other() -> None:
+    """Ends 5 - 1 on both sides of the middle are 8 apart, more than both are long; the wall is 14 off."""
+    shape, domain = {"kind": "ellipse", "axes": [1.0, 0.7]}, {"shape": "round", "radius": 20.0}
+    bodies = [{"name": name, "shape": shape, "position": [x, 0.0]} for name, x in (("a", -5.0), ("b", 5.0))]
+    data = {"name": "x", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": bodies}
+    rows = [line.replace("│", " ").split() for line in standard_output_of(parse_case(data)).splitlines()]
+    assert ["a", "-5,", "0", "1", "8", "b", "free", "free", "free"] in rows
+    assert ["b", "5,", "0", "1", "8", "a", "free", "free", "free"] in rows
+
+
+def test_each_gap_of_shapes_is_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of sixteen ellipses, 3 apart in a square, 32 pairs are near; the list of gaps looks for them again.
+
+    For each body anew there were all pairs that are no farther apart than the cell is large.
+    """
+    followed = []
+
+    def counted(q: Any, i: int, j: int, away: Any = 0.0) -> Any:
+        followed.append((i, j))
+        return foot_between(q, i, j, away)
+
+    cell = {"shape": "cell", "vectors": [[12.0, 0.0], [0.0, 12.0]], "shear": 1.0}
+    shape = {"kind": "ellipse", "axes": [1.0, 0.7]}
+    places = [[3.0 * k, 3.0 * m] for k in range(4) for m in range(4)]
+    bodies = [{"name": f"e{k}", "shape": shape, "position": x} for k, x in enumerate(places)]
+    case = parse_case({"name": "x", "fluid": {"viscosity": 1.0}, "domain": cell, "bodies": bodies})
+    monkeypatch.setattr("fsi.bodies.gaps.foot_between", counted)
+    standard_output_of(case)
+    assert 32 <= len(followed) <= 64
 
 
 def standard_output_of(case: Case) -> str:

@@ -106,6 +106,7 @@ def _check_discretisation(case: Case) -> None:
 def _check_room(case: Case) -> None:
     """No body touches a wall or another body."""
     q, container = case.configuration(), case.container()
+    _check_sizes(case, q, container)
     touching = _ROUNDING * _largest_coordinate(q, container)
     to_walls = wall_gaps(q, container)
     for i, w in np.argwhere(to_walls <= touching)[:1]:
@@ -121,6 +122,18 @@ def _check_room(case: Case) -> None:
         raise InputError(
             f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r} and "
             f"{other} overlap or touch (gap {gap:.6g}); move them apart"
+        )
+
+
+def _check_sizes(case: Case, q: Configuration, container: Container) -> None:
+    """No body is larger than the domain: along its outline waves of a wall would be followed without end."""
+    size = np.inf if len(container.periods) else container.size()
+    for i in np.flatnonzero(q.radii > size)[:1]:
+        body = case.bodies[i]
+        key, value = ("radius", body.radius) if body.shape is None else ("shape", body.shape)
+        raise InputError(
+            f"bodies.{i}.{key} = {toml_text(value)}: body {body.name!r} is larger than the domain (of the "
+            f"size {size:.6g}); shrink it"
         )
 
 
