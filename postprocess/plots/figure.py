@@ -1,15 +1,16 @@
 """What all figures share: their style, their colours, names and labels, and how they are saved."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, override
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import Formatter, LogLocator, MaxNLocator, NullFormatter
 
 from fsi.errors import InputError
 from fsi.files import appearing, require_suffix
@@ -48,7 +49,10 @@ class Theme:
 LIGHT = Theme("white", "#000000", "#c9c9c9", "#f3efe6", "#e8dfcf")
 DARK = Theme("#16181c", "#e6e6e6", "#4a4d52", "#b9b4a9", "#c8c0b2")
 SUFFIXES = (".png", ".svg", ".pdf")
+_FEWEST_DIGITS, _MOST_DIGITS = 6, 16  # of a label
+_OFF = 1e-3  # how far a label may be off, over the distance of the next
 _SHORT = 100.0  # ratio of the ends of an axis up to which steps in between have labels
+_SHORTEST = 3.0  # the same up to which they are even: hardly any of the numbers 1, 2, 3, 5 lies between
 
 
 @contextmanager
@@ -84,6 +88,23 @@ def require_figure(path: Path) -> None:
     require_suffix(path, *SUFFIXES)
 
 
+class PlainNumbers(Formatter):
+    """Labels with six digits, or as many as tell them apart, and no offset common to all."""
+
+    @override
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return f"{x:.6g}"
+
+    @override
+    def format_ticks(self, values: Sequence[float]) -> list[str]:
+        apart = min(np.diff(np.sort(values)), default=np.abs(values).max(initial=0.0))
+        for digits in range(_FEWEST_DIGITS, _MOST_DIGITS):
+            labels = [f"{value:.{digits}g}" for value in values]
+            if np.all(np.abs(np.array(labels, dtype=float) - values) <= _OFF * apart):
+                return labels
+        return [f"{value:.{_MOST_DIGITS}g}" for value in values]
+
+
 def label_short(axis: Axis) -> None:
     """Label a logarithmic axis, whose ends are set, with plain numbers if shorter than two decades.
 
@@ -91,6 +112,7 @@ def label_short(axis: Axis) -> None:
     """
     least, most = axis.get_view_interval()
     if most < _SHORT * least:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
+        subs = (1.0, 2.0, 3.0, 5.0) if most < 10.0 * least else (1.0, 2.0, 5.0)
+        axis.set_major_locator(MaxNLocator(4) if most < _SHORTEST * least else LogLocator(subs=subs))
+        axis.set_major_formatter(PlainNumbers())
         axis.set_minor_formatter(NullFormatter())

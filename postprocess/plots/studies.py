@@ -19,7 +19,7 @@ from fsi.comparison.viscosity import ViscosityHistories
 from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
-from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, plain, saved_figure
+from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, label_short, plain, saved_figure
 from fsi.validation.rows import SPHERE, TERMS, Row
 
 _NAMED = 10  # most bodies that get a colour and a name
@@ -66,6 +66,7 @@ def _draw_gaps(axes: Axes, names: Sequence[str], comparison: RateComparison) -> 
         axes.semilogy(t, comparison.gap[:, i], lw=1.5, label=label, **own)
         axes.semilogy(t, comparison.reduced_gap[:, i], "--", lw=1.0, **own)
     axes.set(xlabel="t", ylabel="smallest gap of each body", title="resolved (lines), reduced (dashed)")
+    label_short(axes.yaxis)
     if not many:
         axes.legend(fontsize=9)
 
@@ -82,6 +83,8 @@ def _draw_rate_errors(axes: Axes, comparison: RateComparison) -> None:
         axes.axhline(limit, color="black", lw=0.8, ls=":")
         if (good := comparison.good_below(limit)) is not None:
             axes.plot([good], [limit], "v", color=ORANGE)
+    label_short(axes.xaxis)
+    label_short(axes.yaxis)
 
 
 def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, path: Path) -> None:
@@ -98,6 +101,7 @@ def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, pat
             axes[1].semilogy(paths.t, np.where(gap > 0.0, gap, np.nan), **style)
         axes[0].set(ylabel="smallest gap")
         axes[1].set(ylabel="smallest gap above 0")
+        label_short(axes[1].yaxis)
         if viscosities is not None:
             for level, mu in viscosities.mu.items():
                 axes[2].plot(viscosities.t, mu, **_style(level, viscosities.t))

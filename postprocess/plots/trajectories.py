@@ -15,6 +15,7 @@ from fsi.postprocess.run.run import Run
 
 _SINGLY = len(COLOURS)  # of more bodies all paths have one colour
 _ACROSS = {2: ("x", "y"), 3: ("x", "z")}
+_ROUNDING = 1e-9  # of the scale of a profile
 _RARE = 0.05  # of the largest density: where there is less, nothing moves or remembers
 # Columns of profiles.csv, what they are, and their colours: perceptual, on both sides of zero for u.
 PROFILES = {
@@ -97,20 +98,35 @@ def plot_space_time(run: Run, output: Path, theme: Theme = LIGHT) -> None:
 def space_time_figure(run: Run, figure: Figure) -> Figure:
     """The figure with a panel for each. Raises InputError."""
     grids = _over_space_and_time(run)
-    x, t = grids["x"], grids["t"]
+    x, t, scales = grids["x"], grids["t"], profile_scales(run)
+    period = (t.min(), t.max()) if len(t) > 1 else None  # cells around the first and last reach further
     panels = figure.subplots(1, len(PROFILES), sharex=True, sharey=True)
     for axes, (name, (label, colours)) in zip(panels, PROFILES.items(), strict=True):
         there = (grids["rho"] > _RARE * grids["rho"].max()) | (name == "rho")
         values = np.where(there, grids[name], np.nan)
         largest = float(np.nanmax(np.abs(values))) or 1.0
-        low, high = (-largest, largest) if colours == "PuOr_r" else (None, None)
+        low, high = (-largest, largest) if colours == "PuOr_r" else profile_ends(values, scales[name])
         style = {"cmap": colours, "vmin": low, "vmax": high, "shading": "nearest", "rasterized": True}
         drawn = axes.pcolormesh(x, t, values, **style)
         axes.grid(visible=False)
-        axes.set(xlabel="x", title=label)
+        axes.set(xlabel="x", title=label, ylim=period)
         figure.colorbar(drawn, ax=axes)
     panels[0].set_ylabel("t")
     return figure
+
+
+def profile_scales(run: Run) -> dict[str, float]:
+    """Of each column the largest number in the run, for the memory at least the mass times that of u."""
+    table = run.table("profiles")
+    largest = {name: float(table[name].abs().max()) for name in ("m", "x", *PROFILES)}
+    return largest | {"gamma": max(largest["gamma"], largest["m"] * largest["u"])}
+
+
+def profile_ends(values: Array, scale: float, margin: float = 0.0) -> tuple[float, float]:
+    """Of an axis or of colours for values, some NaN, with a margin; what differs by rounding is constant."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    room = margin * (high - low) if high - low > _ROUNDING * scale else 0.5 * (scale or 1.0)
+    return low - room, high + room
 
 
 def _over_space_and_time(run: Run) -> dict[str, Array]:

@@ -20,16 +20,15 @@ from PIL import Image
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import LIGHT, Theme
+from fsi.postprocess.render.body_polygons import body_polygons, filled, outlined
 from fsi.postprocess.render.mean_flow import MovingWall
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.run import Indices, counted
+from fsi.postprocess.run.run import counted
 
 type Picture = NDArray[np.uint8]
 
 SAMPLES = 2  # of a pixel along each side
 INK = "#222222"
-_FEWEST_SIDES, _MOST_SIDES = 64, 4000  # of a disc; the most: sagitta 3e-7 a, a film of 1e-5 a stays open
-_MANY, _FEWEST_OF_MANY = 1000, 12  # of so many discs each is some pixels wide
 _LAYER = 1e-3  # distance towards the eye by which one layer covers the next
 # Arrows in walls, over half the width of the window: how far behind, how long, how far apart, their heads.
 _BEHIND, _LONGEST, _APART, _HEAD = 0.06, 0.4, 0.6, 0.025
@@ -73,7 +72,8 @@ class _Canvas:
         surface["colour"] = np.ma.filled(parts, 0.0).astype(float)
         colours = {"scalars": "colour", "cmap": shades.cmap, "clim": (0.0, 1.0), "show_scalar_bar": False}
         light = {"lighting": lit, "smooth_shading": lit, "ambient": 0.3 if lit else 0.0}
-        self.plotter.add_mesh(surface, **light, **colours)
+        if surface.n_points:
+            self.plotter.add_mesh(surface, **light, **colours)
 
 
 class Panel(_Canvas):
@@ -83,7 +83,8 @@ class Panel(_Canvas):
 
     def fill(self, surface: pv.PolyData, colour: str) -> None:
         """Draw a surface, given in the window's coordinates, in one colour."""
-        self.plotter.add_mesh(surface, color=colour, lighting=False)
+        if surface.n_points:
+            self.plotter.add_mesh(surface, color=colour, lighting=False)
 
     def lines(
         self, lines: pv.PolyData, colour: str, width: float, opacity: float = 1, layer: float = 2
@@ -134,14 +135,13 @@ class Panel(_Canvas):
         seen = self._seen(q)
         if not seen.any():
             return
-        centres, radii, angles = q.centres[seen], q.radii[seen], q.angles[seen]
-        discs, faces = self._surfaces(q, seen)
-        self.fill(discs.translate((0.0, 0.0, _LAYER)), self.theme.disc)
+        polygons = body_polygons(q, seen, self.view, self.size)
+        self.fill(filled(polygons).translate((0.0, 0.0, _LAYER)), self.theme.disc)
         if rims:
-            closed = np.insert(faces, 0, faces[:, -1], axis=1)
-            self.lines(pv.PolyData(discs.points, lines=counted(closed)), INK, width=1.5, opacity=0.5, layer=1)
+            self.lines(outlined(polygons), INK, width=1.5, opacity=0.5, layer=1)
         if turning:
-            pointers = 0.8 * radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+            centres, angles = q.centres[seen], q.angles[seen]
+            pointers = 0.8 * q.radii[seen, None] * np.column_stack([np.cos(angles), np.sin(angles)])
             ends = self.view.local(np.stack([centres, centres + pointers], axis=1))
             self.lines(segments(ends), INK, width=4)
 
@@ -149,8 +149,9 @@ class Panel(_Canvas):
         """Draw the discs in the colours of their values, (N,)."""
         seen = self._seen(q)
         if seen.any():
-            discs, faces = self._surfaces(q, seen)
-            discs["value"] = np.repeat(values[seen], faces.shape[1])
+            polygons = body_polygons(q, seen, self.view, self.size)
+            discs = filled(polygons)
+            discs["value"] = np.repeat(values[seen], [len(corners) for corners in polygons])
             self.colour(discs.translate((0.0, 0.0, _LAYER)), shades)
 
     def _seen(self, q: Configuration) -> NDArray[np.bool_]:
@@ -159,20 +160,6 @@ class Panel(_Canvas):
             np.abs(q.centres - self.view.centre) < self.view.reach + q.radii[:, None], axis=1
         )
         return seen
-
-    def _surfaces(self, q: Configuration, seen: NDArray[np.bool_]) -> tuple[pv.PolyData, Indices]:
-        """Those bodies as polygons in the window's coordinates, and the corners of each, (n, .)."""
-        centres, radii = q.centres[seen], q.radii[seen]
-        # The sagitta of a side is a tenth of a pixel.
-        sides = np.pi * np.sqrt(radii.max() / self.view.half * self.size / 0.4)
-        fewest = _FEWEST_SIDES if len(radii) < _MANY else _FEWEST_OF_MANY
-        turn = np.linspace(0.0, 2.0 * np.pi, int(np.clip(sides, fewest, _MOST_SIDES)), endpoint=False)
-        circle = np.column_stack([np.cos(turn), np.sin(turn)])
-        rim = centres[:, None] + radii[:, None, None] * circle
-        if q.outlines:
-            rim = np.stack([q.placed[i].drawn(_MOST_SIDES) for i in np.flatnonzero(seen)])
-        faces = np.arange(rim.size // 2).reshape(len(radii), -1)
-        return pv.PolyData(self.view.local(rim).reshape(-1, 3), faces=counted(faces)), faces
 
     def image(self) -> Picture:
         """What has been drawn, (size, size, 3); ends the drawing."""

@@ -18,13 +18,14 @@ film thinner than a pixel does not set the colours of what is seen.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Literal, Self, override
 
 from fsi.errors import InputError
 
 if TYPE_CHECKING:  # for `fsi render --help`, which lists the fields, what draws them is not imported
+    from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Colormap, Normalize
 
     from fsi.bodies.configuration import Array
@@ -35,6 +36,7 @@ type Span = tuple[float, float]
 DISTURBANCE = "disturbance"  # velocity less the linear flow without bodies, where there is one
 _SLOW = 0.05  # the part of the area with the lowest values, which has one colour
 _FEW = 1e-4  # the part with the highest: a hundred pixels of the default size
+_KNOWN = 1e-6  # of the largest value: differences below are those of the elements
 _LINEAR = 0.03  # part of the largest value up to which the scales of signed fields are linear
 
 
@@ -51,11 +53,21 @@ class Scale(ABC):
 
     @abstractmethod
     def span(self, values: Array, weights: Array) -> Span:
-        """The range for values (n,) that stand for areas of those sizes (n,)."""
+        """The range for values (n,) that stand for areas of those sizes (n,); its ends may be equal."""
 
     @abstractmethod
     def span_on_plane(self, values: Array) -> Span:
         """The range for evenly spaced values (n,), on a plane in space."""
+
+    def joined(self, spans: Sequence[Span]) -> Span:
+        """The range of all steps; its ends are equal where it is below what a field is known to.
+
+        Steps where all is zero do not count where others have more and not all values are spanned.
+        """
+        low, high = zip(*([span for span in spans if self.whole or any(span)] or spans), strict=True)
+        least, most = min(low), max(high)
+        middle = 0.5 * (least + most)
+        return (middle, middle) if most - least <= _KNOWN * max(-least, most) else (least, most)
 
     @abstractmethod
     def norm(self, span: Span) -> Normalize:
@@ -66,8 +78,8 @@ class Scale(ABC):
 class Logarithmic(Scale):
     """For values of one sign: from what is exceeded on most of the area to what is on hardly any.
 
-    A decade where all values are the same; on a plane half the decades below the largest value. A range
-    that is asked for and begins at 0 or below has colours in proportion.
+    On a plane half the decades below the largest value. A range that is asked for and begins at 0 or below
+    has colours in proportion.
 
     Attributes:
         decades: the most that differ in colour.
@@ -78,12 +90,11 @@ class Logarithmic(Scale):
     @override
     def span(self, values: Array, weights: Array) -> Span:
         low, largest = exceeded(values, weights, 1.0 - _SLOW), exceeded(values, weights, _FEW)
-        low = max(low, 10.0**-self.decades * largest)
-        return (low, largest) if low < largest else (0.1 * (largest or 1.0), largest or 1.0)
+        return max(low, 10.0**-self.decades * largest), largest
 
     @override
     def span_on_plane(self, values: Array) -> Span:
-        largest = float(values.max()) or 1.0
+        largest = float(values.max())
         return 10.0 ** (-0.5 * self.decades) * largest, largest
 
     @override
@@ -102,12 +113,12 @@ class Signed(Scale):
 
     @override
     def span(self, values: Array, weights: Array) -> Span:
-        largest = exceeded(abs(values), weights, _FEW) or 1.0
+        largest = exceeded(abs(values), weights, _FEW)
         return -largest, largest
 
     @override
     def span_on_plane(self, values: Array) -> Span:
-        largest = float(abs(values).max()) or 1.0
+        largest = float(abs(values).max())
         return -largest, largest
 
     @override
@@ -145,11 +156,11 @@ class FromZero(Scale):
 
     @override
     def span(self, values: Array, weights: Array) -> Span:
-        return 0.0, exceeded(values, weights, _FEW) or 1.0
+        return 0.0, exceeded(values, weights, _FEW)
 
     @override
     def span_on_plane(self, values: Array) -> Span:
-        return 0.0, float(values.max()) or 1.0
+        return 0.0, float(values.max())
 
     @override
     def norm(self, span: Span) -> Normalize:
@@ -163,6 +174,22 @@ def exceeded(values: Array, weights: Array, part: float) -> float:
     order = values.argsort()
     share = weights[order].cumsum()
     return float(values[order][min(share.searchsorted((1.0 - part) * share[-1]), len(order) - 1)])
+
+
+def shaded(scale: Scale, span: Span, colours: Colormap) -> ScalarMappable:
+    """What colours mean; a single one where the ends of the range are equal."""
+    from matplotlib.cm import ScalarMappable
+
+    return one_colour(span[0], colours) if span[0] == span[1] else ScalarMappable(scale.norm(span), colours)
+
+
+def one_colour(value: float, colours: Colormap) -> ScalarMappable:
+    """The middle one of the colours, for that value, which is in the middle of the range."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, Normalize
+
+    reach = abs(value) or 1.0
+    return ScalarMappable(Normalize(value - reach, value + reach), ListedColormap([colours(0.5)]))
 
 
 @dataclass(frozen=True)
@@ -204,6 +231,10 @@ class RenderedField:
     def along(self, right: str, up: str) -> Self:
         """The same where the coordinates have those letters."""
         return replace(self, label=self.label.replace("{x}", right).replace("{y}", up))
+
+    def shades(self, span: Span) -> ScalarMappable:
+        """What its colours mean."""
+        return shaded(self.scale, span, self.colour_map)
 
     @property
     def colour_map(self) -> Colormap:

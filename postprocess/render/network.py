@@ -14,7 +14,7 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
-from fsi.postprocess.render.fields import Span
+from fsi.postprocess.render.fields import Span, one_colour
 from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all, around_period
 from fsi.postprocess.run.run import Run, counted, nodes
@@ -172,7 +172,7 @@ def _shades(values: Array, span: Span | None) -> ScalarMappable:
     if -low > _ROUNDING * largest:
         return ScalarMappable(SymLogNorm(largest / _DECADES, vmin=-largest, vmax=largest), _TWO_SIDED)
     if largest <= 0.0:
-        return ScalarMappable(Normalize(0.0, 1.0), _DARK)
+        return one_colour(0.0, _DARK)
     least = values[values > largest / _DECADES].min(initial=0.5 * largest) if span is None else low
     return ScalarMappable(LogNorm(float(least), largest), _DARK)
 

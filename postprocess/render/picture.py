@@ -18,6 +18,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, SymLogNorm
@@ -27,7 +28,7 @@ from PIL import Image
 from fsi.bodies.surface_gap import SurfaceGap, gap_between
 from fsi.errors import InputError
 from fsi.files import unfinished
-from fsi.postprocess.plots.figure import LIGHT, Theme, label_short, plain
+from fsi.postprocess.plots.figure import LIGHT, PlainNumbers, Theme, label_short, plain
 from fsi.postprocess.render.canvas import Picture, require_opengl
 from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.gaps import parse_sides
@@ -42,6 +43,7 @@ _QUALITY = "10"  # of H.264, 0 without losses to 51
 _INCHES = 5.0  # a panel
 _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
 _FITS = 56  # letters of the usual size above a panel
+_BESIDE = 6  # letters of the usual size beside a colour bar
 _OPENED = 1e-6  # a gap that is wider by so much in the mesh is opened there
 _SCALE = 0.25  # longest scale bar, in panels
 
@@ -148,11 +150,16 @@ def compose(title: str, panels: Sequence[Framed], theme: Theme = LIGHT) -> Pictu
             if panel.shades is None:
                 continue
             bar = figure.add_axes(((left + 1.015) / wide, low / high, 0.03 / wide, panel.aspect / high))
-            shown = figure.colorbar(panel.shades, cax=bar, extend=panel.cut, extendfrac=0.025)
+            constant = panel.shades.cmap.N == 1
+            ends = "neither" if constant else panel.cut
+            shown = figure.colorbar(panel.shades, cax=bar, extend=ends, extendfrac=0.025)
             if isinstance(norm := panel.shades.norm, LogNorm):
                 label_short(bar.yaxis)
             elif isinstance(norm, SymLogNorm):
                 shown.set_ticks(_labelled(shown.get_ticks(), norm))
+            elif constant:
+                shown.set_ticks([np.mean(panel.shades.get_clim())])
+            _label_beside(bar.yaxis)
             bar.set_title(panel.label, fontsize=11, pad=7, loc="left")
         drawn = Image.fromarray(pixels(figure))
     picture = Image.new("RGBA", drawn.size, theme.page)
@@ -162,6 +169,18 @@ def compose(title: str, panels: Sequence[Framed], theme: Theme = LIGHT) -> Pictu
         picture.paste(Image.fromarray(panel.image), corner)
     picture.alpha_composite(drawn)
     return np.asarray(picture.convert("RGB"))
+
+
+def _label_beside(axis: Axis) -> None:
+    """Make room for the labels of a colour bar: smaller where they are long, and no offset above."""
+    low, high = sorted(axis.get_view_interval())
+    ticks = [t for t in axis.get_majorticklocs() if low <= t <= high]
+    labels = axis.get_major_formatter().format_ticks(ticks)
+    if axis.get_major_formatter().get_offset():
+        axis.set_major_formatter(PlainNumbers())
+        labels = axis.get_major_formatter().format_ticks(ticks)
+    longest = max((len(label) for label in labels if "$" not in label), default=1)
+    axis.set_tick_params(labelsize=11.0 * min(1.0, _BESIDE / longest))
 
 
 def _labelled(ticks: Iterable[float], norm: SymLogNorm) -> list[float]:

@@ -81,7 +81,7 @@ class PlanarArtist(FlowArtist):
         ]
 
     def _read(self, step: int, window: View) -> list[tuple[RenderedField, Scene, SurfaceGap | None]]:
-        """What the panels show of a step. Raises InputError: not all steps of a film have it in their files."""
+        """What the panels show of a step. Raises InputError: its files have not all of it, as in a film."""
         self.require(step)
         tractions = any(field.on_bodies for field, _ in self.panels) and bool(self.run.case.bodies)
         shown = []

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import BLUE
-from fsi.postprocess.plots.trajectories import PROFILES
+from fsi.postprocess.plots.trajectories import PROFILES, profile_ends, profile_scales
 from fsi.postprocess.render.canvas import Picture
 from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Artist, pixels
@@ -17,7 +17,7 @@ from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 
 _LABELS = {name: label for name, (label, _) in PROFILES.items()}
-_ROUNDING = 1e-9  # of the scale of a column
+_MARGIN = 0.05  # of an axis, beyond the values
 
 
 class ProfileArtist(Artist):
@@ -41,8 +41,8 @@ class ProfileArtist(Artist):
         """A picture of each step."""
         profiles = [self._read(step) for step in steps]
         columns = {name: np.concatenate([of[name] for of in profiles]) for name in profiles[0]}
-        scales = _scales(self.run)
-        ends = {name: _ends(values, scales[name]) for name, values in columns.items()}
+        scales = profile_scales(self.run)
+        ends = {name: profile_ends(values, scales[name], _MARGIN) for name, values in columns.items()}
         if self.choice.span is not None:
             ends |= dict.fromkeys(self.names, self.choice.span)
         for step, profile in zip(steps, profiles, strict=True):
@@ -52,20 +52,6 @@ class ProfileArtist(Artist):
         """At the middles x of the parcels, (n,) each."""
         grid = self.run.mesh(step, self.series)
         return {"x": np.asarray(grid.points)[:, 0]} | {name: np.asarray(grid[name]) for name in self.names}
-
-
-def _scales(run: Run) -> dict[str, float]:
-    """Of each column the largest number in the run, for the memory at least the mass times that of u."""
-    table = run.table("profiles")
-    largest = {name: float(table[name].abs().max()) for name in ("m", "x", *_LABELS)}
-    return largest | {"gamma": max(largest["gamma"], largest["m"] * largest["u"])}
-
-
-def _ends(values: Array, scale: float) -> Span:
-    """Of an axis that shows all values, and a little more; what differs by rounding is constant."""
-    low, high = float(values.min()), float(values.max())
-    room = 0.05 * (high - low) if high - low > _ROUNDING * scale else 0.5 * (scale or 1.0)
-    return low - room, high + room
 
 
 def profile_figure(

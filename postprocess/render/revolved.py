@@ -44,9 +44,10 @@ class RevolvedArtist(Artist):
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         window = window_on(self.run, steps, self.run.mesh(steps[0]))
-        spans = np.array([self._span(self.run.mesh(step)) for step in steps])
-        span = self.choice.span or (float(spans[:, 0].min()), float(spans[:, 1].max()))
-        shades = ScalarMappable(self.field.scale.norm(span), self.field.colour_map)
+        span = self.choice.span or self.field.scale.joined(
+            [self._span(self.run.mesh(step)) for step in steps]
+        )
+        shades = self.field.shades(span)
         ends = self.field.scale.cut if self.choice.span is None else "both"
         for step, view in zip(steps, repeat(window)):
             half = _ASLANT * view.half

@@ -25,6 +25,7 @@ from fsi.postprocess.run.run import Run, nodes
 _SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
 _OF_ORDER_4 = 15  # nodes of a cell
 _PSI = {"velocity": "psi", DISTURBANCE: "psi of the disturbance"}  # the stream function of each flow
+RIBBON = 0.05  # width of what shows, inside bodies, what these carry, in halves of the window
 _SAME_PLACE = 1e-9  # of the window: nodes of two copies that are one
 
 
@@ -133,11 +134,14 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
     if axisymmetric:
         fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
     lattice = Lattice(container.periods)
+    # A surface out of sight may have its ribbon, inside its body, in sight.
+    wider = replace(view, half=(1.0 + RIBBON / view.aspect) * view.half)
     if lattice.dimension:
         cells, (q, _) = tiled(fluid, container, view), images(q, container, view)
-        bodies = None if bodies is None else tiled(bodies, container, view)
+        bodies = None if bodies is None else tiled(bodies, container, wider)
     else:
         cells = cells_within(fluid, view.low, view.high)
+        bodies = None if bodies is None else cells_within(bodies, wider.low, wider.high)
     if "velocity" in cells.point_data and (flow := undisturbed(run, step)) is not None:
         x = np.asarray(cells.points, dtype=float)
         cells[DISTURBANCE] = cells["velocity"] - flow.at(x)

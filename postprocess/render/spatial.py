@@ -98,7 +98,7 @@ class SpatialArtist(FlowArtist):
     def _shades(self, field: RenderedField, parts: Sequence[Flow]) -> ScalarMappable:
         """The same colours for the same values at all steps."""
         if self.choice.span is not None:
-            return ScalarMappable(field.scale.norm(self.choice.span), field.colour_map)
+            return field.shades(self.choice.span)
         if field.on_bodies:
             sized = [surface.compute_cell_sizes(length=False, volume=False) for surface, _ in parts]
             values = np.concatenate([each.point_data_to_cell_data()["value"] for each in sized])
@@ -108,7 +108,7 @@ class SpatialArtist(FlowArtist):
         else:
             values = np.concatenate([np.asarray(surface["value"]) for surface, _ in parts])
             span = field.scale.span_on_plane(values)
-        return ScalarMappable(field.scale.norm(span), field.colour_map)
+        return field.shades(field.scale.joined([span]))
 
     def _period(self, step: int, middle: Array | None = None) -> PeriodicBox | None:
         """The box of one period, if the domain has any."""

@@ -12,13 +12,13 @@ from typing import NamedTuple, override
 
 import numpy as np
 import pandas as pd
+from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import Picture, new_panel
-from fsi.postprocess.render.fields import FromZero, Span
+from fsi.postprocess.render.fields import FromZero, Span, shaded
 from fsi.postprocess.render.mean_flow import sliding_walls, undisturbed
 from fsi.postprocess.render.network import inside_walls
 from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
@@ -82,8 +82,7 @@ class MotionArtist(Artist):
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         view = self._window(steps)
-        low, high = self.choice.span or self._span(steps)
-        shades = ScalarMappable(Normalize(low, high), _MAP)
+        shades = shaded(FromZero(), self.choice.span or self._span(steps), colormaps[_MAP])
         return (self._picture(step, view, shades) for step in steps)
 
     def _window(self, steps: Sequence[int]) -> View:

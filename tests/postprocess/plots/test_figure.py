@@ -1,12 +1,20 @@
 """How figures are saved."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
 
 from fsi.errors import InputError
-from fsi.postprocess.plots.figure import SUFFIXES, plain, require_figure, saved_figure
+from fsi.postprocess.plots.figure import (
+    SUFFIXES,
+    PlainNumbers,
+    label_short,
+    plain,
+    require_figure,
+    saved_figure,
+)
 
 
 def test_a_picture_that_is_there_stays_until_the_new_one_is_complete(
@@ -66,3 +74,38 @@ def test_names_are_drawn_letter_by_letter(name: str) -> None:
     (text,) = axes.legend().get_texts()
     raw = figure.text(0.0, 0.0, name, parse_math=False, fontsize=text.get_fontsize())
     assert text.get_window_extent().width == pytest.approx(raw.get_window_extent().width, abs=1.0)
+
+
+@pytest.mark.parametrize(("least", "most"), [(0.32, 0.41), (0.5, 0.50003), (9.4, 10.6), (2.4e-5, 1.55e-3)])
+def test_labels_of_a_logarithmic_axis_do_not_meet(least: float, most: float) -> None:
+    """In one of the two panels of a comparison; there are two at least."""
+    figure = Figure(figsize=(11.0, 4.5), layout="constrained")
+    _, axes = figure.subplots(1, 2)
+    axes.loglog([least, most], [1.0, 2.0])
+    axes.set_xlim(least, most)
+    label_short(axes.xaxis)
+    figure.draw_without_rendering()
+    ticks = [*axes.xaxis.get_major_ticks(), *axes.xaxis.get_minor_ticks()]
+    boxes = sorted(
+        (
+            tick.label1.get_window_extent()
+            for tick in ticks
+            if least <= tick.get_loc() <= most and tick.label1.get_text()
+        ),
+        key=lambda box: box.x0,
+    )
+    assert len(boxes) >= 2
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
+
+
+@pytest.mark.parametrize(
+    ("values", "labels"),
+    [
+        ([1.0, 1.0000025], ["1", "1.0000025"]),
+        ([0.1, 0.2, 0.1 + 0.2], ["0.1", "0.2", "0.3"]),
+        ([2.4954431e16], ["2.49544e+16"]),
+        ([10.0, 300000.0], ["10", "300000"]),
+    ],
+)
+def test_numbers_have_the_digits_that_tell_them_apart(values: list[float], labels: list[str]) -> None:
+    assert PlainNumbers().format_ticks(values) == labels

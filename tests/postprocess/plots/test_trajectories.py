@@ -1,14 +1,18 @@
 """Paths of bodies, and of one as another sees it."""
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 import fsi
 from fsi.errors import InputError
 from fsi.postprocess.plots.histories import read_history
-from fsi.postprocess.plots.trajectories import paths, plot_paths, relative_path
+from fsi.postprocess.plots.trajectories import paths, plot_paths, relative_path, space_time_figure
 from tests.commands import fsi_command
 
 CASE = """
@@ -111,3 +115,23 @@ def test_figures_and_refusals(run: fsi.Run, capfd: pytest.CaptureFixture[str]) -
     ):
         assert fsi_command("plot", run.path, *words) == 2
         assert message in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(("gamma", "ends"), [(-4e-14, (-1.0, 1.0)), (-0.5, (-0.5, 0.0))])
+def test_space_and_time_show_the_run_and_no_rounding(gamma: float, ends: tuple[float, float]) -> None:
+    """Two profiles, at 0 and 0.2: cells around them reach from -0.1 to 0.3, the axis does not.
+
+    A mass of 2 that moves by 1 makes memories of 2: 4e-14 is rounding then, about which colours span as much.
+    """
+    x = np.array([0.0, 1.0, 2.0])
+    table = pd.DataFrame(
+        {
+            "step": np.repeat([0, 1], 3), "t": np.repeat([0.0, 0.2], 3), "x": np.tile(x, 2),
+            "m": np.tile(x, 2), "rho": 1.0, "u": 1.0, "gamma": np.repeat([0.0, gamma], 3),
+        }
+    )  # fmt: skip
+    run: Any = SimpleNamespace(table=lambda _: table, path=Path("run"))
+    figure = space_time_figure(run, Figure())
+    for axes in figure.axes[:3]:
+        assert axes.get_ylim() == (0.0, 0.2)
+    assert figure.axes[2].collections[0].get_clim() == pytest.approx(ends)

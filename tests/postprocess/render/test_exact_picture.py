@@ -10,7 +10,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import pyvista as pv
-from matplotlib.colors import LogNorm, SymLogNorm
+from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -202,6 +202,27 @@ def test_a_signed_colour_bar_ends_where_its_colours_end(
     ticks = bar.get_ticks()
     assert np.abs(ticks).max() <= largest
     assert {0.0} < set(ticks)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(1000.0, 1000.02), (2e16, 2e16 * (1.0 + 2e-6)), (-4e-14, 0.0), (-0.0025, 0.0025)]
+)
+@pytest.mark.parametrize("norm", [Normalize, LogNorm])
+def test_labels_of_a_colour_bar_have_room(
+    norm: type[Normalize], low: float, high: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They end inside the picture, say different numbers and the whole of these: no offset above the bar."""
+    if norm is LogNorm and low <= 0.0:
+        low, high = 1.00001, 1.00003
+    bars = colour_bars(monkeypatch)
+    shades = mpl.cm.ScalarMappable(norm(low, high), "viridis")
+    compose("title", [Framed(np.zeros((400, 1000, 3), np.uint8), "title", 1.0, "p", shades)])
+    (bar,) = bars
+    shown = [label for label in bar.ax.get_yticklabels() if low <= label.get_position()[1] <= high]
+    assert len(shown) >= 3
+    assert len({label.get_text() for label in shown}) == len(shown)
+    assert max(label.get_window_extent().x1 for label in shown) < bar.ax.figure.bbox.x1
+    assert not bar.ax.yaxis.get_offset_text().get_text()
 
 
 def test_the_scale_bar_is_as_long_as_it_says() -> None:

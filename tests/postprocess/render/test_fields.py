@@ -19,9 +19,11 @@ from fsi.postprocess.render.fields import (
     register_field,
     rendered_field,
 )
+from fsi.postprocess.render.picture import Framed, compose
 from fsi.postprocess.render.scenes import Scene
 from fsi.postprocess.render.view import View
 from tests.commands import fsi_command
+from tests.postprocess.render.test_exact_picture import colour_bars
 from tests.postprocess.spatial_run import write_spatial_run
 
 
@@ -61,10 +63,35 @@ def test_what_is_out_of_sight_does_not_either() -> None:
     assert span("pressure", seen) == (-4.0, 4.0)
 
 
-def test_a_constant_field_has_a_range() -> None:
-    for value in (0.0, 1.0):
-        low, high = span("dissipation", scene([0.5], [value]))
-        assert 0.0 < low < high
+@pytest.mark.parametrize("name", ["dissipation", "pressure", "mesh", "disturbance"])
+def test_what_is_zero_everywhere_has_one_colour_which_says_0(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No scale is invented for a fluid at rest: the bar has one label and no values beyond its ends."""
+    bars, field = colour_bars(monkeypatch), rendered_field(name)
+    shades = field.shades(field.scale.joined([field.scale.span(np.zeros(3), np.ones(3))]))
+    assert len(np.unique(shades.to_rgba(np.array([-1.0, 0.0, 1.0])), axis=0)) == 1
+    image = np.zeros((100, 100, 3), np.uint8)
+    compose("title", [Framed(image, "title", 1.0, "label", shades, "both")])
+    (bar,) = bars
+    assert [label.get_text() for label in bar.ax.get_yticklabels()] == ["0"]
+    assert bar.extend == "neither"
+
+
+@pytest.mark.parametrize(("more", "shown"), [(1e-7, 1), (1e-5, 2)])
+def test_differences_below_what_a_field_is_known_to_have_no_colours(more: float, shown: int) -> None:
+    """The limit is 1e-6 of the largest value; pressures in films differ by some 1e-9 from node to node."""
+    field = rendered_field("mesh")
+    ends = -2e16, -2e16 * (1.0 - more)
+    shades = field.shades(field.scale.joined([field.scale.span(np.array(ends), np.ones(2))]))
+    assert len(np.unique(shades.to_rgba(np.array(ends)), axis=0)) == shown
+
+
+def test_a_step_at_rest_does_not_make_the_colours_of_others_linear() -> None:
+    """Logarithmic colours have no zero; where all values are spanned, zero is one of them."""
+    spans = [(0.0, 0.0), (1.0, 2.0), (0.5, 1.0)]
+    assert rendered_field("speed").scale.joined(spans) == (0.5, 2.0)
+    assert rendered_field("mesh").scale.joined(spans) == (0.0, 2.0)
 
 
 @pytest.mark.parametrize(("span", "shown"), [((0.0, 4.0), 0.25), ((0.25, 4.0), 0.5), ((-4.0, 4.0), 0.625)])

@@ -14,9 +14,9 @@ from PIL.GifImagePlugin import GifImageFile
 
 import fsi
 from fsi.errors import InputError
-from fsi.postprocess.plots.trajectories import plot_paths, space_time_figure
+from fsi.postprocess.plots.trajectories import plot_paths, profile_ends, profile_scales, space_time_figure
 from fsi.postprocess.render import canvas
-from fsi.postprocess.render.profile import ProfileArtist, _ends, _scales, profile_figure
+from fsi.postprocess.render.profile import ProfileArtist, profile_figure
 from fsi.postprocess.render.render import render_run
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
@@ -61,9 +61,11 @@ def test_axes_are_the_same_in_any_unit_of_length(a: float, tmp_path: Path) -> No
     )  # fmt: skip
     fsi.run(case, tmp_path / "run")
     artist = ProfileArtist(fsi.open_run(tmp_path / "run"), Choice())
-    scales, profiles = _scales(artist.run), [artist._read(step) for step in (25, 100)]
+    scales, profiles = profile_scales(artist.run), [artist._read(step) for step in (25, 100)]
     pairs = ((name, of) for of in profiles for name in ("x", "rho", "u", "gamma"))
-    widths = np.array([np.diff(_ends(of[name], scales[name]))[0] for name, of in pairs]).reshape(2, 4)
+    widths = np.array([np.diff(profile_ends(of[name], scales[name], 0.05))[0] for name, of in pairs]).reshape(
+        2, 4
+    )
     unit = np.array([a, 1.0, a, a**2])
     # Over 40 parcels; u and gamma that are constant have their scale for width.
     expected = [[1.1 * 0.75 * 1.95, 1.0, 1.1 * 1.95, 0.975**2], [1.1 * 0.975, 1.0, 1.95 / 2, 1.1 * 0.25]]
