@@ -19,7 +19,7 @@ from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
-from fsi.macroscopic.model import Parcels, at_rest_in_memory, blocks
+from fsi.macroscopic.model import Parcels, blocks
 from fsi.meshes.geometry.unbounded import Unbounded
 from fsi.report.console import standard_output
 
@@ -28,8 +28,8 @@ END, FINE = 0.4, 6400
 
 def start(n: int) -> Parcels:
     """n parcels as they begin."""
-    m, dm, X, _ = blocks([(-1.0, 1.0, 0.5)], n)
-    return at_rest_in_memory(m, dm, X, X**2 - np.sin(np.pi * X))
+    parcels, _ = blocks([(-1.0, 1.0, 0.5)], n)
+    return parcels.moving(parcels.X**2 - np.sin(np.pi * parcels.X))
 
 
 def gluey_chain(parcels: Parcels) -> tuple[System, GlueyState]:

@@ -202,7 +202,7 @@ def blocks(s: System) -> dict[str, Any]:
         {"left": a, "right": 3.0 * a, "density": 0.7, "initial_velocity": f"-x/{T!r}"},
     ]
     macroscopic = {
-        "parcels": 40,
+        "parcels": 38,
         "blocks": given,
         "force_per_mass": f"where(t > {1.5 * T!r}, x, -x)/{T * T!r}",
     }

@@ -91,41 +91,34 @@ def _follow(
     from fsi.integration.evolution import Evolution
     from fsi.models import make_evolution
     from fsi.report.progress import ProgressBar
+    from fsi.report.watch import complete_rows
     from fsi.run_folder.kept import CASE
-
-    since: dict[str, float] = {}
-
-    def show(record: StepRecord) -> None:
-        for column in NOTES:
-            if record.columns.get(column, 0) > 0:
-                since.setdefault(column, record.t)
-        bar.show(record)
 
     def make(case: Case) -> Evolution:
         bar.begin(case.timing.end)
         return make_evolution(case)
 
     with ProgressBar(quiet=quiet) as bar:
-        outcome = launch(show, make)
+        outcome = launch(bar.show, make)
     if not parallel.is_root():
         return
+    rows = complete_rows(folder)  # of the whole run: what was resumed counts as well
     if not quiet:
-        _tell_end(folder, outcome, bar)
+        _tell_end(folder, outcome, bar, rows)
         fields = load_case(folder / CASE).output.fields
         look = ["fsi", "render" if fields else "plot", str(folder)]
         typer.echo(f"look at it with: {shlex.join(look)}")
-    for column, t in since.items():
-        typer.echo(f"note: from t = {t:g} {NOTES[column]}; see {column} in steps.csv")
+    for column, note in NOTES.items():
+        since = next((row["t"] for row in rows if row.get(column, 0.0) > 0.0), None)
+        if since is not None:
+            typer.echo(f"note: from t = {since:g} {note}; see {column} in steps.csv")
 
 
-def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:
-    from fsi.report.watch import complete_rows
-
+def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar, rows: list[dict[str, float]]) -> None:
     if outcome.steps == 0:
         typer.echo(f"{folder} was finished at t = {outcome.state.t:g}; nothing to do")
     else:
-        # Of the whole run: what was resumed may have come nearest before.
-        nearest = min(complete_rows(folder), key=lambda row: row["smallest_gap"])
+        nearest = min(rows, key=lambda row: row["smallest_gap"])
         all_steps = outcome.state.step
         these = "" if outcome.steps == all_steps else f"the last {outcome.steps} in "
         typer.echo(

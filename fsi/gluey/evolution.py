@@ -13,16 +13,17 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import without_rounding
 from fsi.case.case import Case
 from fsi.errors import SolveError
-from fsi.gluey.contacts import find_contacts, smallest_gap
+from fsi.gluey.contacts import Contacts, Room, find_contacts, smallest_gap
 from fsi.gluey.step import Checks, Touching, advance
 from fsi.gluey.system import GlueyState, gluey_state, gluey_system, wall_names
 from fsi.integration.evolution import CsvTable, Moment
 from fsi.integration.state import Schedule, State, StepRecord
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.parallel import on_root
 from fsi.run_folder.paraview import in_space, write_lines, write_points
+from fsi.run_folder.rows import CONTACT_COLUMNS
 
 CONTACTS = "contacts.csv"
-CONTACT_COLUMNS = ("step", "t", "side", "body", "gap", "gamma", "impulse", "solid_impulse")
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,21 +145,47 @@ class GlueyEvolution:
         numbers = np.column_stack([gaps, touching.gamma, touching.p, touching.solid]).tolist()
         rows = [
             [now.step, now.t, self._sides[c.i[k]], self._sides[c.j[k]], *numbers[k]]
-            for k in np.flatnonzero((touching.p > 0.0) | (touching.gamma < 0.0))
+            for k in np.flatnonzero(_tells(touching))
         ]
         return {CONTACTS: (CONTACT_COLUMNS, rows)}
 
     def _write(self, now: Stepped, folder: Path) -> dict[str, Sequence[str]]:
-        """Bodies as points with radius and velocity, contacts as lines from centre (or wall) to centre."""
+        """Bodies as points with radius and velocity, contacts as lines from centre (or wall) to centre.
+
+        Both where they are at the end of the step.
+        """
         new, touching, step = now.state, now.touching, now.step
         d = self.system.dimension
         bodies, lines = f"bodies_{step:06d}.vtu", f"contacts_{step:06d}.vtu"
         c, radii = touching.contacts, self.system.radii
         write_points(folder / bodies, new.centres, {"radius": radii, "velocity": in_space(new.U[:, :d])})
-        shown = (touching.p > 0.0) | (touching.gamma < 0.0)
-        j, n = c.j[shown], c.n[shown]
-        reach = radii[j] + np.append(radii, 0.0)[np.minimum(c.i[shown], len(radii))]
-        ends = new.centres[j], new.centres[j] - reach[:, None] * n
+        shown = np.flatnonzero(_tells(touching))
+        ends = _ends(c[shown], new.centres, radii, self.system.room)
         values = {"gamma": touching.gamma, "impulse": touching.p, "solid": touching.solid}
         write_lines(folder / lines, *ends, {name: value[shown] for name, value in values.items()})
         return {"bodies": [bodies], "contacts": [lines]}
+
+
+def _tells(touching: Touching) -> NDArray[np.bool_]:
+    """Contacts that carry an impulse or remember, (C,): what lets go of a cone pulls, p < 0."""
+    tells: NDArray[np.bool_] = (touching.p != 0.0) | (touching.gamma < 0.0)
+    return tells
+
+
+def _ends(contacts: Contacts, centres: Array, radii: Array, room: Room) -> tuple[Array, Array]:
+    """The ends of contacts when centres have moved, (C, d): that of j, and the image of i or foot on a wall.
+
+    Of the images of i it is the one that lies where the normal says.
+    """
+    N, j = len(centres), centres[contacts.j]
+    pair = np.flatnonzero(contacts.i < N)
+    wall = np.flatnonzero(contacts.i >= N)
+    other = np.empty_like(j)
+    i = contacts.i[pair]
+    reach = contacts.D[pair] + radii[i] + radii[contacts.j[pair]]
+    away = j[pair] - reach[:, None] * contacts.n[pair] - centres[i]
+    lattice = Lattice(room.container.periods)
+    other[pair] = centres[i] + lattice.shift(lattice.nearest(away))
+    n, points = contacts.n[wall], room.points[contacts.i[wall] - N]
+    other[wall] = j[wall] - np.sum((j[wall] - points) * n, axis=1)[:, None] * n
+    return j, other

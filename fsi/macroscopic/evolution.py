@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,9 +20,10 @@ from fsi.case.series import polynomial
 from fsi.errors import InputError, SolveError
 from fsi.integration.evolution import CsvTable, Moment
 from fsi.integration.state import Schedule, State, StepRecord
-from fsi.macroscopic.model import Force, Parcels, at_rest_in_memory, blocks
+from fsi.macroscopic.model import Force, Parcels, blocks
 from fsi.parallel import on_root
 from fsi.run_folder.paraview import write_polyline
+from fsi.run_folder.rows import PROFILE_COLUMNS
 
 _FASTEST = 1e150  # velocities up to this have squares
 
@@ -78,10 +79,10 @@ class BodiesOnLine:
 
 def smallest_gap(parcels: Parcels, some: NDArray[np.bool_] | None = None) -> float:
     """Between neighbours, or some of these (n - 1,); 0 in contact, infinite without any."""
-    gaps = np.diff(parcels.X) - parcels.dm
-    rounding = 8.0 * np.finfo(float).eps * np.abs(parcels.X).max()
+    gaps = parcels.gaps
+    rounding = 8.0 * np.finfo(float).eps * np.abs(parcels.slack).max()
     least = float((gaps if some is None else gaps[some]).min(initial=np.inf))
-    return 0.0 if abs(least) <= rounding else least
+    return 0.0 if least <= rounding else least
 
 
 def matter(case: Case) -> Line:
@@ -92,7 +93,8 @@ def matter(case: Case) -> Line:
 def _of_blocks(case: Case) -> Line:
     given = case.macroscopic.blocks
     pieces = [(block.left, block.right, block.density) for block in given]
-    m, dm, X, of_parcel = blocks(pieces, case.macroscopic.parcels)
+    parcels, of_parcel = blocks(pieces, case.macroscopic.parcels)
+    X, m = parcels.X, parcels.m
     u = np.empty_like(X)
     for i, block in enumerate(given):
         inside = of_parcel == i  # not by X: rounding may put a parcel past the end of its block
@@ -114,7 +116,7 @@ def _of_blocks(case: Case) -> Line:
             )
         return f
 
-    return Line(at_rest_in_memory(m, dm, X, u), lambda _t0, _t1: force)
+    return Line(parcels.moving(u), lambda _t0, _t1: force)
 
 
 def _of_bodies(case: Case) -> Line:
@@ -127,7 +129,7 @@ def _of_bodies(case: Case) -> Line:
     order = np.argsort(q.centres[:, axis])
     centres, radii = q.centres[order, axis], q.radii[order]
     pieces = [(float(x - a), float(x + a), 1.0) for x, a in zip(centres, radii, strict=True)]
-    m, dm, X, piece = blocks(pieces, case.macroscopic.parcels)
+    parcels, piece = blocks(pieces, case.macroscopic.parcels)
     of_parcel = order[piece]
     mass = masses[:, axis]
 
@@ -140,11 +142,10 @@ def _of_bodies(case: Case) -> Line:
 
     u = case.initial_velocity()[of_parcel, axis]
     bodies = BodiesOnLine(q, axis, of_parcel, lambda t: case.motion(t).F)
-    return Line(at_rest_in_memory(m, dm, X, u), per_mass, bodies, float(mass[0] / (2.0 * q.radii[0])))
+    return Line(parcels.moving(u), per_mass, bodies, float(mass[0] / (2.0 * q.radii[0])))
 
 
 PROFILES = "profiles.csv"
-PROFILE_COLUMNS = ("step", "t", "m", "x", "rho", "u", "gamma")
 NO_BODIES = Configuration.unturned(np.empty((0, 2)), np.empty(0))
 
 
@@ -176,12 +177,12 @@ class MacroscopicEvolution:
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """The parcels."""
-        return {"X": self.parcels.X, "u": self.parcels.u, "w": self.parcels.w}
+        return {"slack": self.parcels.slack, "u": self.parcels.u, "w": self.parcels.w}
 
     def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `memory` gave."""
-        X, u, w = memory["X"], memory["u"], memory["w"]
-        self.parcels = Parcels(self.parcels.m, self.parcels.dm, X, u, w)
+        slack, u, w = memory["slack"], memory["u"], memory["w"]
+        self.parcels = replace(self.parcels, slack=slack, u=u, w=w)
 
     def _moment(self, t: float, step: int, h: float) -> Moment:
         parcels, mass_per_length = self.parcels, self.line.mass_per_length
@@ -223,7 +224,7 @@ def profile(parcels: Parcels, mass_per_length: float) -> dict[str, NDArray[np.fl
 
     rho: dm over half the distance to both neighbours; at free ends to the one there is.
     """
-    widths = np.diff(parcels.X)
+    widths = parcels.dm + parcels.gaps
     room = 0.5 * (np.append(widths[0], widths) + np.append(widths, widths[-1]))
     gamma = 0.5 * (parcels.gamma[1:] + parcels.gamma[:-1])
     return {"rho": parcels.dm / room, "u": parcels.u, "gamma": mass_per_length * gamma}

@@ -227,7 +227,11 @@ def test_a_case_says_where_films_are_thinner_than_the_roughness(tmp_path: Path) 
     overrides = [part for text in rough for part in ("--set", text)]
     case = str(CASES / "gluey" / "two_discs.toml")
     said = CliRunner().invoke(app, ["run", case, "-o", str(tmp_path / "run"), *overrides]).output
+    first = next(row["t"] for row in rows(tmp_path / "run" / "steps.csv") if row["solid_contacts"] != "0")
+    assert f"note: from t = {float(first):g} films are thinner" in said
     assert "delta_eps < delta" in said
+    later = CliRunner().invoke(app, ["resume", str(tmp_path / "run"), "--set", "time.end=2.1"]).output
+    assert f"note: from t = {float(first):g} films are thinner" in later  # of the run, not of its last part
 
 
 def test_gaps_in_contact_are_zero_and_wide_ones_are_known(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from fsi.case.macroscopic import evaluate
 from fsi.errors import InputError, SolveError
 from fsi.integration.state import StepRecord
 from fsi.macroscopic.evolution import PROFILES, MacroscopicEvolution, matter, profile
-from fsi.macroscopic.model import Parcels, at_rest_in_memory
+from fsi.macroscopic.model import Parcels, blocks
 from fsi.models import make_evolution
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -23,8 +23,7 @@ CASES = Path(__file__).parents[2] / "cases"
 
 def test_a_force_that_grows_in_time_is_integrated_exactly() -> None:
     """f = 2 t from 0.2 to 0.6 gives 0.32; at the start of the step it would give 0.16."""
-    X = np.array([0.0, 5.0])
-    parcels = at_rest_in_memory(np.array([0.05, 0.15]), 0.1, X, np.zeros(2))
+    parcels, _ = blocks([(-0.05, 0.05, 1.0), (4.95, 5.05, 1.0)], 2)
 
     def force(x: Array, _m: Array, t: float) -> Array:
         return np.full_like(x, 2.0 * t)
@@ -34,8 +33,9 @@ def test_a_force_that_grows_in_time_is_integrated_exactly() -> None:
 
 def test_a_profile_is_that_at_the_middles_of_parcels() -> None:
     """Gamma lives between parcels, here 0, -0.1, -0.4 and 0: its means; density by both distances."""
-    X, dm = np.array([0.0, 0.2, 0.6]), 0.1
-    parcels = Parcels(np.array([0.05, 0.15, 0.25]), dm, X, np.zeros(3), np.array([1.0, 3.0, -4.0]))
+    slack, w = np.array([0.0, 0.1, 0.4]), np.array([1.0, 3.0, -4.0])
+    parcels = Parcels(np.array([0.05, 0.15, 0.25]), 0.1, -0.05, slack, np.zeros(3), w)
+    assert_allclose(parcels.X, [0.0, 0.2, 0.6], atol=1e-15)
     found = profile(parcels, 3.0)
     assert_allclose(parcels.gamma, [0.0, -0.1, -0.4, 0.0], atol=1e-15)
     assert_allclose(found["gamma"], 3.0 * np.array([-0.05, -0.25, -0.2]), rtol=1e-13)
@@ -218,11 +218,23 @@ def on_a_line(ends: list[tuple[float, float]], u: str, parcels: int, **macroscop
     return parse_case(of_blocks({"shape": "unbounded"}) | {"macroscopic": matter})
 
 
-def test_a_parcel_that_rounding_puts_past_its_block_has_the_velocity_of_it() -> None:
-    """The third of five parcels lies on the end -0.45 of the first block, to an ulp: u = 1 as all have."""
-    parcels = matter(on_a_line([(-1.65, -0.45), (-0.32, 0.88)], "1", 5)).parcels
-    assert parcels.X[2] > -0.45
-    assert_allclose(parcels.u, 1.0, rtol=0.0)
+def test_blocks_hold_whole_parcels() -> None:
+    """Masses 1 to 2: of 40 parcels a block would have 13.3, and its velocity be given to 13 or 14."""
+    ends = [(-1.65, -0.45), (-0.32, 2.08)]
+    line = r"^macroscopic\.parcels = 40: the masses of the blocks .* whole .* parcels; give a multiple of 3$"
+    with pytest.raises(InputError, match=line):
+        on_a_line(ends, "1", 40)
+    parcels = matter(on_a_line(ends, "where(x < -0.4, 1, -2)", 42)).parcels
+    assert parcels.u.sum() * parcels.dm == pytest.approx(0.7 * (1.2 - 2.0 * 2.4), rel=1e-12)
+    assert_allclose(
+        parcels.X[[0, 13, 14, 41]],
+        np.array([-1.65, -0.45, -0.32, 2.08]) + [e * 0.5 * parcels.dm / 0.7 for e in (1, -1, 1, -1)],
+        atol=1e-14,
+    )
+    with pytest.raises(InputError, match=r"; give masses whose ratios are those of small whole numbers$"):
+        on_a_line([(0.0, 1.0), (1.0, 1.0 + 2.0**0.5)], "1", 40)
+    with pytest.raises(InputError, match=r"^macroscopic\.blocks: have the mass inf, .*; give other units$"):
+        on_a_line([(-1e308, 1e308)], "1", 40)
 
 
 def test_a_velocity_without_a_square_is_refused() -> None:

@@ -9,6 +9,7 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks.without_flow import ROUNDING, check_estimates, check_rest
+from fsi.case.magnitudes import LARGEST, SMALLEST
 from fsi.case.section import refusal, toml_text
 from fsi.case.series import is_zero
 from fsi.errors import InputError
@@ -34,6 +35,7 @@ def check_macroscopic(case: Case) -> None:
             )
         if container.walls:
             raise InputError(f'{here}: has walls, which [[macroscopic.blocks]] do not meet; give "unbounded"')
+        _check_parcels(case, _masses(case), "masses of the blocks (length times density)", "masses")
         return
     if not case.bodies:
         raise InputError("macroscopic.blocks: missing; give [[macroscopic.blocks]] or [[bodies]] on a line")
@@ -50,7 +52,7 @@ def check_macroscopic(case: Case) -> None:
             f"bodies.{uneven}.mass = {masses[uneven, axis]:g}: matter has one density, mass over diameter, "
             f"here {per_length[0]:g}; give {2.0 * q.radii[uneven] * per_length[0]:g}"
         )
-    _check_parcels(case, q.radii)
+    _check_parcels(case, q.radii, "diameters of the bodies", "radii")
     if (past := past_walls(case, q)) is not None:
         raise InputError(past)
 
@@ -114,20 +116,32 @@ def _check_loads(case: Case, axis: int) -> None:
                 raise refusal(f"bodies.{i}.{key}", load, "pushes the body off its line; drop it")
 
 
-def _check_parcels(case: Case, radii: Array) -> None:
+def _masses(case: Case) -> Array:
+    """Of the blocks, (n,), such that parts of them are numbers."""
+    masses = [(block.right - block.left) * block.density for block in case.macroscopic.blocks]
+    if not SMALLEST <= (total := sum(masses)) <= LARGEST:
+        raise InputError(
+            f"macroscopic.blocks: have the mass {total:.3g}, too small or too large for numbers, "
+            f"{SMALLEST:g} to {LARGEST:g}; give other units"
+        )
+    return np.array(masses)
+
+
+def _check_parcels(case: Case, sizes: Array, told: str, key: str) -> None:
+    """Bodies or blocks, whose masses are as their sizes, hold whole parcels: else they get others' masses."""
     given = case.macroscopic.parcels
-    if _are_whole(given, radii):
+    if _are_whole(given, sizes):
         return
-    here = f"macroscopic.parcels = {given}: the diameters of the bodies are not whole numbers of parcels"
-    parts = (Fraction(part).limit_denominator(_MOST_PARCELS) for part in radii / radii.sum())
+    here = f"macroscopic.parcels = {given}: the {told} are not whole numbers of parcels"
+    parts = (Fraction(part).limit_denominator(_MOST_PARCELS) for part in sizes / sizes.sum())
     least = lcm(*(part.denominator for part in parts))
     remedy = f"give a multiple of {least}"
-    if least > _MOST_PARCELS or not _are_whole(least, radii):
-        remedy = "give radii whose ratios are those of small whole numbers"
+    if least > _MOST_PARCELS or not _are_whole(least, sizes):
+        remedy = f"give {key} whose ratios are those of small whole numbers"
     raise InputError(f"{here}; {remedy}")
 
 
-def _are_whole(parcels: int, radii: Array) -> bool:
-    """Whether each body has a whole number of parcels."""
-    parts = parcels * radii / radii.sum()
+def _are_whole(parcels: int, sizes: Array) -> bool:
+    """Whether each body or block has a whole number of parcels."""
+    parts = parcels * sizes / sizes.sum()
     return bool(np.abs(parts - np.rint(parts)).max() <= _SAME * parcels)
