@@ -16,6 +16,7 @@ from fsi.errors import RefusedError
 from fsi.meshes.build import FluidMesh
 from fsi.observables.truncation import BOUND
 from fsi.stokes import fields
+from fsi.stokes.closed import closed
 from fsi.stokes.corners import jumps
 from fsi.stokes.discretisation.constraints import DofLayout, dof_layout, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
@@ -178,7 +179,7 @@ def _offset(problem: StokesProblem, forms: Forms, nodes: BoundaryNodes, layout: 
     # Where fluid sticks to one of two walls that meet, that one has the last word.
     at_walls = dict(sorted(at_walls.items(), key=lambda item: item[0] not in boundary.slip_lengths))
     corner_axes = dict(zip(container.walls, container.corner_axes, strict=True))
-    g = wall_offset(layout, nodes, at_walls, corner_axes)
+    g = closed(problem, forms, nodes, layout, wall_offset(layout, nodes, at_walls, corner_axes))
     g += swimming_velocity(problem, forms, nodes, layout)
     if problem.laws is not None:
         carried, d = problem.laws.carried, problem.q.dimension

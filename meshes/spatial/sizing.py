@@ -173,7 +173,7 @@ class Spacing:
             d, across = f"({away[gap.body]}+{away[gap.other]})", float(self.resolution.cells_per_gap)
             along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{gap.longest!r}*{d})"
             sizes.append(f"max({along},{SHORTEST!r}*{d})/{across!r}")
-        sizes += edge_sizes(self.domain, growth)
+        sizes += edge_sizes(self.domain, growth, self.largest)
         sizes.append(repr(self.largest))
         field = gmsh.model.mesh.field
         numbers = []

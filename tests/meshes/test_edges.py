@@ -7,6 +7,7 @@ import pytest
 
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.meshes.geometry.tube import Tube
 from fsi.meshes.resolution import Resolution
 from tests.meshes.spheres import CUBE, cells
 
@@ -39,3 +40,21 @@ def test_an_edge_without_a_jump_costs_nothing() -> None:
 def test_where_cells_grow_fast_they_are_small_beside_an_edge_all_the_same() -> None:
     """Above growth = 0.5 no cell would be small against the distance from the edge: as many as for that."""
     assert len(beside(1.0, ((RIGHT, BACK),))) == len(beside(0.5, ((RIGHT, BACK),)))
+
+
+@pytest.mark.parametrize("around", [10, 16])
+def test_rims_of_tubes_are_finer_than_their_sides_and_in_proportion_to_growth(around: int) -> None:
+    """growth H at most, H = 2 pi R / cells_per_circle, or growth / 2 of the 4.66 to the sphere.
+
+    With the bound H of all cells instead of growth H, the steps of both meshes are H.
+    """
+    tube, centre = Tube(2.0, 12.0), np.array([[0.0, 0.0, 0.7]])
+    top = tube.walls.index("top"), tube.walls.index("side")
+    H, mean = 2.0 * np.pi * 2.0 / around, []
+    for growth in (0.5, 0.5 / 1.5):  # of a mesh, and of the one that its bar compares it with
+        domain = FluidDomain(tube, centre, np.array([1.0]), edges=(top,))
+        x = np.unique(cells(build(domain, Resolution(0.5, around, growth), 2))[:, :4].reshape(-1, 3), axis=0)
+        x = x[(np.hypot(x[:, 0], x[:, 1]) > 2.0 - 1e-9) & (np.abs(x[:, 2] - 6.0) < 1e-9)]
+        mean.append(2.0 * np.pi * 2.0 / len(x))
+        assert 0.67 * growth * H < mean[-1] < 1.33 * growth * H
+    assert mean[0] / mean[1] == pytest.approx(1.5, rel=0.15)

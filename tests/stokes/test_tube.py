@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import fsi
 from fsi.bodies.configuration import Array
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
@@ -55,6 +56,46 @@ def test_a_side_that_moves_between_open_ends_carries_all_along() -> None:
     data["bodies"][0] |= {"force": [0.0, 0.0, 0.0]}
     data["domain"] |= {"walls": {"side": [0.0, 0.0, 1.0], "top": "open", "bottom": "open"}}
     np.testing.assert_allclose(velocity(data), [0.0, 0.0, 1.0, 0.0, 0.0, 0.0], atol=1e-12)
+
+
+def on_the_axis(length: float, height: float, radius: float, force: float, walls: dict[str, Any]) -> fsi.Case:
+    """The same ball in a tube of radius 2, in the meridional plane; the side is the wall `right`."""
+    domain = {"lower": [0.0, -0.5 * length], "upper": [2.0, 0.5 * length], "walls": walls}
+    ball = {"name": "ball", "radius": radius, "position": [0.0, height], "force": [0.0, force]}
+    fluid = {"viscosity": 1.0}
+    return fsi.make_case(name="t", geometry="axisymmetric", fluid=fluid, domain=domain, bodies=[ball])
+
+
+def test_a_side_that_moves_between_closed_ends_lets_no_fluid_through() -> None:
+    """Its curved facets would let through 1e-6 of what flows; the velocity is that in the meridional plane.
+
+    At degree 2 it misses 0.7 %.
+    """
+    data = in_tube(2.0, 6.0, 0.0, discretisation={"degree": 2, "cells_per_circle": 10, "growth": 0.8})
+    data["bodies"][0] |= {"force": [0.0, 0.0, 0.0], "position": [0.0, 0.0, 0.7]}
+    data["domain"] |= {"walls": {"side": [0.0, 0.0, 1.0]}}
+    case, flat = parse_case(data), on_the_axis(6.0, 0.7, 1.0, 0.0, {"right": [0.0, 1.0]})
+    found = StokesModel(case)(case.configuration(), 0.0)
+    exact = StokesModel(flat)(flat.configuration(), 0.0).U[0, 1]
+    assert found.checks["net_flux"] < 1e-12
+    assert found.U[0, 2] == pytest.approx(exact, rel=0.015)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("length", "radius", "force", "around"),
+    [(12.0, 1.0, 4.0, 16), (12.0, 1.0, 4.0, 20), (24.0, 1.0, 0.0, 16), (12.0, 0.4, 0.0, 16)],
+)
+def test_bars_hold_between_open_ends(length: float, radius: float, force: float, around: int) -> None:
+    """Against the meridional plane, 1e-6. With rims as coarse as the side they were 1.3 to 2.9 bars off."""
+    data = in_tube(2.0, length, 0.0, discretisation={"cells_per_circle": around})
+    data["bodies"][0] |= {"radius": radius, "force": [0.0, 0.0, force], "position": [0.0, 0.0, 0.7]}
+    walls = {"bottom": {"pressure": 20.0}, "top": "open"}
+    data["domain"] |= {"walls": walls}
+    found, exact = fsi.solve(parse_case(data)), fsi.solve(on_the_axis(length, 0.7, radius, force, walls))
+    assert found.errors is not None
+    assert abs(found.instant.U[0, 2] - exact.instant.U[0, 1]) < found.errors.U[0, 2]
+    assert abs(found.dissipation - exact.dissipation) < found.errors.dissipation
 
 
 @pytest.mark.slow
