@@ -128,13 +128,15 @@ def limit(
     from fsi.report.studies import print_study
 
     case = load(case_file, overrides)
-    if not parallel.is_root():
-        return
-    if output is not None:
-        require_figure(output)
-        require_writable(output)
-    found = study(case)
-    print_study(standard_output(), found)
-    if output is not None:
-        plot_limit(case.name, found, output)
-        typer.echo(f"{output}: written")
+
+    def work() -> None:
+        if output is not None:
+            require_figure(output)
+            require_writable(output)
+        found = study(case)
+        print_study(standard_output(), found)
+        if output is not None:
+            plot_limit(case.name, found, output)
+            typer.echo(f"{output}: written")
+
+    parallel.on_root(work)

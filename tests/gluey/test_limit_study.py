@@ -10,7 +10,9 @@ import pytest
 from fsi.errors import InputError
 from fsi.gluey.limit import Limit
 from fsi.gluey.limit_study import one_gap
+from tests.cli.test_commands import ROOT, call
 from tests.gluey.test_system import case_of
+from tests.ranks import needs_mpi, python_on
 
 GRAVITY = {"kind": "gravity", "acceleration": [0.0, 1.0]}
 ATTRACTION = {"kind": "attraction", "law": "exponential", "strength": 1.0, "length": 1.0, "cutoff": 5.0}
@@ -64,3 +66,13 @@ def test_what_the_study_does_not_know_is_refused(change: dict[str, Any], line: s
 def test_both_bodies_have_a_mass() -> None:
     with pytest.raises(InputError, match="of a body with a mass and a wall, or of two such bodies"):
         one_gap(case_of({"position": [0.0, 0.0], "mass": 1.0}, {"position": [0.0, 1.5]}))
+
+
+@needs_mpi
+@pytest.mark.mpi
+def test_two_ranks_are_refused_as_one_is() -> None:
+    """One line and no wait: root alone knew of it, and the others were ended by the MPI's own words."""
+    case = str(ROOT / "cases" / "settling_disc.toml")
+    done = call(*python_on(2), "-m", "fsi", "limit", case, timeout=60.0)
+    assert done.returncode == 2
+    assert (done.stderr.count("\n"), done.stderr.startswith("error: ")) == (1, True)
