@@ -52,3 +52,15 @@ def test_friction_does_nothing_where_all_slip_is_given(tmp_path: Path) -> None:
     assert rubbed.steps["solid_contacts"].max() > 0
     for name in ("x", "V_x"):
         np.testing.assert_array_equal(rubbed.bodies[name], smooth.bodies[name])
+
+
+def test_a_disc_that_is_drawn_along_a_floor_costs_no_search_for_its_friction(tmp_path: Path) -> None:
+    """It slides at 1e-6 as given, whatever rubs it: of 30 discs such a one left friction unsettled."""
+    disc = {
+        "position": [0.0, 0.5], "mass": 1.0, "moment_of_inertia": INERTIA, "force": [0.0, -1.0],
+        "velocity": [1e-6, "free"], "angular_velocity": 0.0,
+    }  # fmt: skip
+    floor = {"shape": "half-plane", "radius": 1000.0}
+    run = fsi.run(case_of(disc, domain=floor, gluey={"gamma_min": 0.0, "friction": 0.3}), tmp_path / "run")
+    assert run.steps["solid_contacts"].iloc[-1] == 1
+    assert run.steps["iterations"].max() <= 20  # 260 where they go on to its bound
