@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ from fsi.case.case import Case
 from fsi.case.checks.work import require_room_for_samples
 from fsi.case.law_file import save_law
 from fsi.errors import InputError
-from fsi.files import replace, require_folder
+from fsi.files import json_text, replace, require_folder
 
 
 def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) -> CalibrationResult:
@@ -58,7 +57,7 @@ def write_calibration(folder: Path, result: CalibrationResult) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"output = {folder}: {error.strerror}; give a folder that can be written") from None
-    replace(folder / SUMMARY, (json.dumps(summary(result), indent=1) + "\n").encode())
+    replace(folder / SUMMARY, (json_text(summary(result), indent=1) + "\n").encode())
     save_law(folder / LAW, result.law)
     rows, text = _rows(result), io.StringIO()
     table = csv.DictWriter(text, list(rows[0]), lineterminator="\n")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -101,7 +100,7 @@ def _show[T](
 
     result = parallel.on_root(work)
     if parallel.is_root() and as_json:
-        typer.echo(json.dumps(data(result)))
+        typer.echo(json_text(data(result)))
     elif parallel.is_root():
         standard_output().print(table(result))
         typer.echo(f"picture: {folder / picture}")

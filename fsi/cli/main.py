@@ -23,7 +23,7 @@ try:
         import typer
 
         import fsi.parallel as parallel
-        from fsi.cli.commands import Group
+        from fsi.cli.commands import PLACES, Group
         from fsi.cli.missing import explain
         from fsi.cli.streams import finish, prepare
         from fsi.errors import FsiError, InputError
@@ -140,5 +140,8 @@ def _defect(error: BaseException) -> str:
 def _usage(error: typer.TyperException) -> str:
     """What is wrong with the command line, and where its help is."""
     context = getattr(error, "ctx", None)
-    command = "fsi" if context is None else context.command_path
+    if context is None:  # of an option that lacks its value: the first word tells the command
+        command = " ".join(["fsi", *(word for word in sys.argv[1:2] if word in PLACES)])
+    else:
+        command = context.command_path
     return f"{error.format_message().rstrip('.')}; see {command} --help"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +12,7 @@ import typer
 import fsi.parallel as parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, option, output_to, require_writable
 from fsi.errors import InputError, SolveError
+from fsi.files import json_text
 from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def search(
     trials = [[trial.value, trial.quantity] for trial in wanted.trials]
     if as_json:
         known = {"key": key, "value": found.value, "quantity": found.quantity, "error": found.error}
-        typer.echo(json.dumps(known | {"trials": trials}))
+        typer.echo(json_text(known | {"trials": trials}))
     else:
         print_search(standard_output(), key, quantity, wanted.trials)
     if output is not None and not as_json:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,6 +22,7 @@ from fsi.cli.arguments import (
 )
 from fsi.cli.loading import loading
 from fsi.errors import InputError
+from fsi.files import json_text
 from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def solve(
         return
     show = {"resolved": solution, "pores": pores}[case.model]
     if as_json:
-        typer.echo(json.dumps(show.solution_json(case, found, solved.errors, truncated)))
+        typer.echo(json_text(show.solution_json(case, found, solved.errors, truncated)))
     else:
         show.print_solution(standard_output(), case, found, solved.errors, truncated)
 
@@ -90,7 +90,7 @@ def _solve_reduced(case: Case, *, as_json: bool) -> None:
     require_instant(case)
     found = ReducedModel(case)(case.configuration(), 0.0)
     if parallel.is_root() and as_json:
-        typer.echo(json.dumps(instant_json(case, found)))
+        typer.echo(json_text(instant_json(case, found)))
     elif parallel.is_root():
         print_instant(standard_output(), case, found)
 
@@ -143,7 +143,7 @@ def resistance(
     if file is not None:
         data |= {"drag": file.drag, "drag_error": file.error}
     if parallel.is_root() and as_json:
-        typer.echo(json.dumps(data))
+        typer.echo(json_text(data))
     elif parallel.is_root():
         print_resistance(standard_output(), case.name, found, solved.errors, truncation)
         if file is not None:

@@ -2,7 +2,8 @@
 
 A step sees of a body that another one meets the tangent plane where the line of centres crosses it. Along
 the plane, by a way w, the true gap of what touches it grows by about `w^2 / (2 (a_i + a_j))`: over several
-radii bodies are pushed that never meet. A plane wall is its own tangent.
+radii bodies are pushed that never meet. A plane wall is its own tangent. In a periodic room it sees the
+nearest image of a body alone: over half a period bodies pass through others.
 """
 
 import numpy as np
@@ -11,11 +12,28 @@ from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Contacts, gap_rows
 from fsi.gluey.system import System
+from fsi.meshes.geometry.lattice import Lattice
 
 # Of the smaller radius of a pair: how far apart it may push.
 APART = 0.1
 # Of the smallest radius: linear gaps that are closed, 1e4 times wider than the projection leaves them.
 CLOSED = 1e-6
+# Of a period: how far bodies may go past each other. They meet no other image on the way and part from it again.
+SEEN = 0.5
+
+
+def require_seen(system: System, U: Array, h: float, t: float) -> None:
+    """Refuse a step h to t that may carry bodies through images that it does not see. Raises SolveError."""
+    periods = system.room.container.periods
+    if not len(periods) or len(U) < 2:
+        return
+    ways = Lattice(periods).coordinates(h * U[:, : system.dimension])
+    farthest = float(np.ptp(ways, axis=0).max())
+    if farthest > SEEN:
+        raise SolveError(
+            f"bodies go {farthest:.3g} periods past each other in the step to t = {t:.9g}, through images that "
+            "it does not see; lower time.step"
+        )
 
 
 def require_met(system: System, contacts: Contacts, p: Array, U: Array, h: float, t: float) -> None:

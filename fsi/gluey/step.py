@@ -32,7 +32,7 @@ from fsi.gluey.constraints import Rows, make_rows, solve_rows
 from fsi.gluey.contacts import Contacts, find_contacts, gap_rows
 from fsi.gluey.film import Film
 from fsi.gluey.held import is_given, why_no_room
-from fsi.gluey.passing import require_met
+from fsi.gluey.passing import require_met, require_seen
 from fsi.gluey.system import GlueyState, System
 
 # Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.
@@ -124,6 +124,7 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
     )
     if (failure := _failure(checks, t + h)) is not None:
         raise SolveError(why_no_room(system, new, found.program, len(contacts), t + h) or failure)
+    require_seen(system, U, h, t + h)
     require_met(system, contacts, p, U, h, t + h)
     film = system.film(h)
     if film is not None:  # a gap that its places lose to rounding is positive

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from rich.text import Text
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.files import replace
+from fsi.files import json_text, replace
 from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.report.console import checks_table, print_mesh_instead, table
 
@@ -126,7 +125,7 @@ def _npz(data: Mapping[str, Any]) -> bytes:
 
 
 FORMATS: dict[str, Callable[[Mapping[str, Any]], bytes]] = {
-    ".json": lambda data: json.dumps(data, indent=1).encode(),
+    ".json": lambda data: json_text(data, indent=1).encode(),
     ".csv": _csv,
     ".npz": _npz,
 }

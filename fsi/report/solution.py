@@ -80,14 +80,14 @@ def driven_lines(driven: Driven, errors: Driven) -> Iterator[str]:
     """The same for a reader."""
     for wall, speed in driven.wall_speeds.items():
         error = errors.wall_speeds[wall]
-        yield f"{wall} slides at {speed:.8g} ± {error:.0e} along x, as its stress drives it"
+        yield f"{wall} slides at {speed:z.8g} ± {error:.0e} along x, as its stress drives it"
     if driven.shear_rate is not None:
-        rate = f"{driven.shear_rate:.8g} ± {errors.shear_rate:.0e}"
+        rate = f"{driven.shear_rate:z.8g} ± {errors.shear_rate:.0e}"
         yield f"the cell is sheared at the rate {rate}, as its stress drives it"
     if (dp_dx := found_gradient(driven)) is not None:
-        yield f"the mean dp/dx is {dp_dx:.8g} ± {found_gradient(errors):.0e}, as the net flux needs it"
+        yield f"the mean dp/dx is {dp_dx:z.8g} ± {found_gradient(errors):.0e}, as the net flux needs it"
     if (flux := found_flux(driven)) is not None:
-        yield f"the net flux along x is {flux:.8g} ± {found_flux(errors):.0e}, of fluid and bodies"
+        yield f"the net flux along x is {flux:z.8g} ± {found_flux(errors):.0e}, of fluid and bodies"
 
 
 def _dissipation_json(solution: SolvedFlow, errors: ErrorEstimate) -> dict[str, Any]:

@@ -85,6 +85,8 @@ def test_check_and_help_load_neither_dolfinx_nor_gmsh_nor_pyvista() -> None:
         (["check"], "Missing argument 'CASE'; see fsi check --help"),
         (["chek"], "Did you mean 'check'"),
         (["check", str(CASE), "--sett", "x=1"], "--set"),
+        (["compare", str(CASE), "--levels"], "Option '--levels' requires an argument; see fsi compare --help"),
+        (["check", str(CASE), "--set", "limit.eps=[]"], "limit.eps = []: must have at least 1 item, not 0;"),
         (["check", "nowhere.toml"], "nowhere.toml: No such file"),
         (["check", str(CASE), "--set", "fluid.viscosity=-1"], "fluid.viscosity = -1: must be greater than 0"),
         (["check", str(CASE), "--set", "bodies.0.position=[0.0, 0.9]"], "'bottom' (gap -0.1)"),

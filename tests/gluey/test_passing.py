@@ -85,6 +85,19 @@ def test_the_nearest_of_a_straight_way(way: tuple[float, float], gap: float) -> 
     assert_allclose(nearest(pair, np.array([0.6, 0.4]), np.array([[0.0, 0.0], way])), [gap], rtol=1e-14)
 
 
+@pytest.mark.parametrize(("speed", "refused"), [(9.9, False), (10.1, True), (20.0, True)])
+def test_a_step_of_half_a_period_may_pass_an_image(speed: float, refused: bool, tmp_path: Path) -> None:
+    """Of 20, in steps of 1: a held disc 8 apart, by a whole period, passed through the other unnoticed."""
+    held = {"position": [-4.0, 0.0], "velocity": [-speed, 0.0], "angular_velocity": 0.0}
+    domain = {"lower": [-10.0, -10.0], "upper": [10.0, 10.0], "periodic": ["x"]}
+    case = case_of(held, {"position": [4.0, 0.0]}, domain=domain, time={"end": 1.0, "step": 1.0})
+    if not refused:
+        assert fsi.run(case, tmp_path / "run").end == 1.0
+        return
+    with pytest.raises(SolveError, match=r"^bodies go .* periods past each other .*; lower time\.step$"):
+        fsi.run(case, tmp_path / "run")
+
+
 def test_images_are_not_sought_beyond_the_room(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of each pair the nearest image counts, within a diagonal: a reach of 1e7 periods took hours."""
     sought, images = [], Lattice.images
