@@ -31,6 +31,9 @@ from fsi.meshes.geometry.placed import Placed
 Array = NDArray[np.float64]
 
 HERE = 1e-9  # in sizes of a container: places that near are one
+# From this ratio of radii on sizes in the fluid are those of the nearest body: where they were those of the
+# largest, sparse meshes had velocities of discs thirty times smaller wrong by 1e-3.
+UNLIKE = 2.0
 _LARGEST_IN_BOX = 0.25  # largest element in space, over the size of a container with plane walls
 
 
@@ -261,5 +264,6 @@ class FluidDomain:
 
     @property
     def bent(self) -> bool:
-        """Whether some outlines bend more here than there, so that sizes along them differ."""
-        return not all(body.is_round for body in self.placed)
+        """Whether some outlines bend more here than there, or radii are unlike, so that sizes differ."""
+        unlike = self.radii.max(initial=0.0) >= UNLIKE * self.radii.min(initial=np.inf)
+        return bool(unlike) or not all(body.is_round for body in self.placed)

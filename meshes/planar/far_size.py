@@ -17,9 +17,9 @@ class FarSize:
     """A bound on the element size in the fluid: `smallest + slope d` at the distance d from the nearest body.
 
     Without it gmsh, which interpolates between distant boundaries, leaves what is around bodies too coarse.
-    Where outlines bend more here than there the length of the nearest edge stands for `smallest`: beside the
-    rim of a thin body sizes are a thousandth of those elsewhere, and gmsh's cells, which need to be small by
-    the mean over their corners only, would leap from one to the other.
+    Where outlines bend more here than there, or radii are unlike, the length of the nearest edge stands for
+    `smallest`: beside the rim of a thin body sizes are a thousandth of those elsewhere, and gmsh's cells,
+    which need to be small by the mean over their corners only, would leap from one to the other.
 
     Attributes:
         bodies: how many, with the tags 1 ... N.
@@ -28,7 +28,7 @@ class FarSize:
         reach: a length that no distance exceeds.
         grading: towards corners of the container.
         alone: whether the sizes of the boundary do not count in the fluid.
-        bent: whether outlines bend more here than there.
+        bent: whether outlines bend more here than there, or radii are unlike.
     """
 
     bodies: int

@@ -9,7 +9,8 @@ the nearest other surface, and on a wall
 
     h(x) = min(h_gap(d(x)), max(h_body, growth d(x)), side / 4),
 
-where `d(x)` is the distance to the nearest body; towards singular corners it is smaller (see `grading`).
+where `d(x)` is the distance to the nearest body, h_body that of its radius there; towards singular corners
+it is smaller (see `grading`).
 
 gmsh works with absolute lengths and rounds them; cells a thousand times as long as wide, next to gaps of
 1e-8 a, are beyond it. So it is shown the narrowest gaps opened, the nodes moved into the solids on both sides
@@ -79,7 +80,6 @@ class Surfaces:
         resolution: how fine the mesh is.
         grading: towards singular corners.
         placed: the bodies and images by their outlines; empty where all are discs.
-        bent: whether some of these are no circles: then h_body is that of the radius at the nearest place.
     """
 
     container: Container
@@ -92,7 +92,6 @@ class Surfaces:
     resolution: Resolution
     grading: Grading
     placed: tuple[Placed, ...] = ()
-    bent: bool = False
 
     @staticmethod
     def of(domain: FluidDomain, resolution: Resolution) -> Surfaces:
@@ -106,7 +105,7 @@ class Surfaces:
         each = zip(domain.placed * len(m), images, strict=False)
         placed = tuple(body.moved(centre) for body, centre in each)
         laid = domain.container, images, m, radii, nearby, bodies, lattice, resolution, grading
-        return Surfaces(*laid, placed, domain.bent)
+        return Surfaces(*laid, placed)
 
     @property
     def arms(self) -> Array:
@@ -125,11 +124,13 @@ class Surfaces:
             return self.centres[bodies]
         return np.array([self.placed[i].inside for i in bodies]).reshape(-1, 2)
 
-    def nearest(self, x: Array) -> tuple[Array, Array | float]:
-        """Distance of points (n, 2) to the nearest body, and the radius that counts there, (n,) or one."""
-        if not self.placed:
-            return self.to_bodies(x), float(self.radii.min(initial=np.inf))
+    def nearest(self, x: Array) -> tuple[Array, Array]:
+        """Distance of points (n, 2) to the nearest body, and the radius there, (n,); infinite without any."""
+        if self.bodies == 0:
+            return np.full(len(x), np.inf), np.full(len(x), np.inf)
         x = self.lattice.wrapped(x)
+        if not self.placed:
+            return self._nearest_disc(x)
         distance, bend = np.full(len(x), np.inf), np.full(len(x), np.inf)
         for body, radius in zip(self.placed, self.radii.tolist(), strict=True):
             near = np.flatnonzero(np.hypot(*(x - body.centre).T) - radius < distance)
@@ -146,22 +147,21 @@ class Surfaces:
             heights = self.placed[i].at(np.array(poles)).x[:, 1]
         return np.column_stack([np.zeros(2), heights])
 
-    def to_bodies(self, x: Array) -> Array:
-        """Distance of each point (n, 2) to the nearest of discs, shape (n,); infinite without bodies."""
-        if self.bodies == 0:
-            return np.full(len(x), np.inf)
-        x = self.lattice.wrapped(x)
-        if self.nearby.few:
-            of_all: Array = (self.nearby.distances(x) - self.radii).min(axis=1)
-            return of_all
+    def _nearest_disc(self, x: Array) -> tuple[Array, Array]:
+        """Distance of points (n, 2) in the cell to the nearest disc, and its radius, (n,)."""
         k = min(len(self.radii), NEIGHBOURS)
         away, body = self.nearby.nearest(x, k)
-        nearest: Array = (away - self.radii[body]).min(axis=1)
+        off = away - self.radii[body]
+        first = np.argmin(off, axis=1)[:, None]
+        nearest: Array = np.take_along_axis(off, first, axis=1)[:, 0]
+        which = np.take_along_axis(body, first, axis=1)[:, 0]
         # A body beyond the k nearest centres can only be nearer if it is larger.
         unsure = (away[:, -1] - self.radii.max() < nearest) & (k < len(self.radii))
         for point in np.flatnonzero(unsure):
-            nearest[point] = (np.hypot(*(x[point] - self.centres).T) - self.radii).min()
-        return nearest
+            off = np.hypot(*(x[point] - self.centres).T) - self.radii
+            which[point] = np.argmin(off)
+            nearest[point] = off[which[point]]
+        return nearest, self.radii[which]
 
     def sizes(self, x: Array, gap: Array | None = None, bend: Array | float = np.inf) -> Array:
         """Element size at points (n, 2) off the bodies, in gaps of these widths or else by their distance.
@@ -171,9 +171,13 @@ class Surfaces:
         if self.bodies == 0:
             return np.full(len(x), np.inf) if gap is None else 0.1 * gap
         d, radius = self.nearest(x)
-        in_gap = self.resolution.across(d if gap is None else gap, np.minimum(radius, bend))
-        h_body = self.resolution.on_body(np.asarray(radius if self.bent else self.radii.max()))
+        in_gap = self.resolution.across(d if gap is None else gap, np.minimum(self._in_gaps(radius), bend))
+        h_body = self.resolution.on_body(radius)
         return np.minimum(in_gap, np.maximum(h_body, self.resolution.growth * d))
+
+    def _in_gaps(self, radius: Array) -> Array | float:
+        """The radius that counts in gaps, where the nearest place has this one: of discs the smallest."""
+        return radius if self.placed else float(self.radii.min())
 
     def walls(self, curves: Sequence[WallCurve]) -> list[Curve]:
         """The nodes on pieces of walls, whose tags follow the bodies'; all are placed together."""
@@ -214,7 +218,7 @@ class Surfaces:
         if self.bodies == 0:
             return np.zeros_like(x)
         d, radius = self.nearest(x)
-        half = 0.5 * self.resolution.opened(d, np.minimum(radius, bend))
+        half = 0.5 * self.resolution.opened(d, np.minimum(self._in_gaps(radius), bend))
         return -half[:, None] * self.container.normals(x)[np.arange(len(x)), wall]
 
     def _facing(self, curve: WallCurve, s: Array) -> Iterator[Array]:

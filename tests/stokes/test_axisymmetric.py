@@ -18,6 +18,7 @@ from scipy.interpolate import CubicSpline
 
 from fsi.bodies.configuration import Array, Motion
 from fsi.case.load import parse_case
+from fsi.lubrication.spheres import line_forces
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.resolution import Resolution
 from fsi.postprocess.run.run import open_run
@@ -85,6 +86,18 @@ def test_two_spheres_approaching(row: dict[str, float]) -> None:
     F = solved(Round(500.0, axisymmetric=True), spheres(-z, z), along_axis(1.0, -1.0)).F[:, 1]
     assert F[0] / STOKES == pytest.approx(row["approach"], rel=1e-5)
     assert F[1] == pytest.approx(-F[0], rel=1e-5)
+
+
+@pytest.mark.parametrize(("radius", "gap"), [(0.02, 0.2), (0.01, 0.05), (0.002, 0.002)])
+def test_a_small_sphere_comes_to_a_large_one(radius: float, gap: float) -> None:
+    """Maude 1961, as `line_forces` has it, to 1e-4.
+
+    Cells on the axis that had the size of those on the large sphere gave 8 %, 18 % and 230 % more.
+    """
+    expected = line_forces(gap, (1.0, radius), 1.0, (0.0, -1.0))[1]
+    q = spheres(0.0, 1.0 + radius + gap, radii=[1.0, radius])
+    F = solved(Round(1000.0, axisymmetric=True), q, along_axis(0.0, -1.0)).F
+    assert F[1, 1] == pytest.approx(expected, rel=1e-4)
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5])
