@@ -40,15 +40,16 @@ class Adams:
         return instant, velocities(instant)
 
     def step(self, model: Model, state: State, t_end: float) -> Trial:
-        """One step; the error is the correction of where it ends."""
+        """One step; the error is the correction of where it ends, and what turns in space neglect."""
         past, h = _with_the_present(state), t_end - state.t
         x = (past.t - state.t) / h
         predicted = _displacement(h, x, past.U)
         q_end = state.q.moved(past.correction + predicted)
         instant = model(q_end, t_end)
         U = np.concatenate([velocities(instant)[None], past.U])
-        correction = _displacement(h, np.append(1.0, x), U) - predicted
-        return Trial(q_end, instant, correction, Past(past.t, past.U, correction))
+        corrected = _displacement(h, np.append(1.0, x), U)
+        error = corrected - predicted + _neglected(state.q, h, np.append(1.0, x), U, corrected)
+        return Trial(q_end, instant, error, Past(past.t, past.U, corrected - predicted))
 
 
 def _with_the_present(state: State) -> Past:
@@ -68,6 +69,20 @@ def _displacement(h: float, x: Array, U: Array) -> Array:
             weight = 0.5 * h**2 * (1.0 / (k + 1) - 1.0 / (j + 1)) / (j + k + 2)
             displacement[:, 3:] += weight * np.cross(c[j], c[k])
     return displacement
+
+
+def _neglected(q: Configuration, h: float, x: Array, U: Array, displacement: Array) -> Array:
+    """What turns in space need beyond the two terms of a displacement s from q, (N, M); U[0] is at its end.
+
+    The terms neglected are of order h^5, and their rate at the end is what s' there is not: of the two terms
+    `omega + 1/2 omega x int omega dt`, of true displacements `q.rates(s, omega)`.
+    """
+    if U.shape[2] != len(MODES[3]):
+        return np.zeros_like(displacement)
+    rate = U[0].copy()
+    rate[:, 3:] += 0.5 * h * np.cross(U[0, :, 3:], np.tensordot(_weights(x), U[:, :, 3:], 1))
+    neglected: Array = h / 5 * (q.rates(displacement, U[0]) - rate)
+    return neglected
 
 
 def _weights(x: Array) -> Array:

@@ -113,7 +113,10 @@ class AscherRuuthSpiteri:
         return instant, velocities(model(q, 0.0, Inertia(masses / self.beginning.rest, U)))
 
     def step(self, model: Model, state: State, t_end: float) -> Trial:
-        """One step; the error is the difference of the displacement from the trapezoidal rule's."""
+        """One step; the error is the difference of the displacement from the trapezoidal rule's.
+
+        The rule is that of displacements since the step began, whose rate in space is not the velocity.
+        """
         t, q, U = state.t, state.q, state.U
         h = t_end - t
         D = self.beginning.masses / (GAMMA * h)
@@ -123,7 +126,7 @@ class AscherRuuthSpiteri:
         displacement = h * (DELTA * U + (1.0 - DELTA) * U1)
         q_end = q.moved(displacement)
         instant = model(q_end, t_end, Inertia(D, U0[: len(D)]))
-        return Trial(q_end, instant, displacement - h / 2 * (U + velocities(instant)))
+        return Trial(q_end, instant, displacement - h / 2 * (U + q.rates(displacement, velocities(instant))))
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,7 +27,7 @@ def told_contact(case: Case, steps: Mapping[str, Array]) -> str:
     law = f"the gap closes as -q' ~ q^({found.exponent:.4f} ± {found.exponent_error:.0e})"
     if np.isinf(found.time) and found.exponent - found.exponent_error >= 1.0:
         return f"no contact in finite time: {law}"
-    if np.isinf(found.error):
+    if np.isinf(found.time) or np.isinf(found.error):
         return f"contact in finite time is not decided by q = {found.gap:.3g}: {law}"
     return (
         f"contact at t = {found.time:.8g} ± {found.error:.0e}, extrapolated from q = {found.gap:.3g}: {law}"

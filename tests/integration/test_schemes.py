@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.adams import Adams
@@ -161,6 +162,36 @@ def test_what_turns_out_of_a_plane_has_the_order_of_the_registry(scheme: Scheme,
     errors = [orbit(scheme, number) for number in (16, 32)]
     assert slope(errors) == pytest.approx(SCHEMES[name].order, abs=0.25)
     assert errors[1] < 1e-5
+
+
+def spinning(q: Configuration, t: float) -> Array:  # noqa: ARG001
+    """omega = (t / 2, 1, 0), linear in time, out of a plane."""
+    return np.array([[0.0, 0.0, 0.0, 0.5 * t, 1.0, 0.0]])
+
+
+def turned_by(t: float) -> Rotation:
+    """R with R' = omega x R, R(1) = 1, at t."""
+
+    def rate(at: float, R: Array) -> Array:
+        omega = spinning(AT_REST, at)[0, 3:]
+        return np.cross(omega, R.reshape(3, 3), axisb=0, axisc=0).ravel()
+
+    found = solve_ivp(rate, (1.0, t), np.eye(3).ravel(), method="DOP853", rtol=1e-12, atol=1e-13)
+    return Rotation.from_matrix(found.y[:, -1].reshape(3, 3))
+
+
+AT_REST = Configuration(np.zeros((1, 3)), np.zeros((1, 3)), np.ones(1), ellipsoids=(SPHEROID,))
+MASSLESS = AscherRuuthSpiteri(Beginning(np.zeros((1, 6)), np.zeros((1, 6)), 1e-6))
+
+
+@pytest.mark.parametrize("h", [0.4, 0.8])
+@pytest.mark.parametrize("scheme", [MASSLESS, BogackiShampine(), Adams()])
+def test_errors_of_turns_out_of_a_plane_are_seen(scheme: Scheme, h: float) -> None:
+    """Of omega linear in time: differences of displacements told 0, and steps grew at any tolerance."""
+    past = Past(np.array([0.5, 0.0]), np.array([spinning(AT_REST, t) for t in (0.5, 0.0)]), np.zeros((1, 6)))
+    trial = scheme.step(Field(spinning), State(1.0, 0, AT_REST, spinning(AT_REST, 1.0), h, past), 1.0 + h)
+    missed = (Rotation.from_rotvec(trial.q.angles[0]) * turned_by(1.0 + h).inv()).magnitude()
+    assert 0.6 < np.linalg.norm(trial.error[0, 3:]) / missed < 3.0
 
 
 def test_inertia_has_order_two_with_the_resistance_of_the_film() -> None:
