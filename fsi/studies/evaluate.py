@@ -2,16 +2,16 @@
 
 import csv
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import LOADS, MODES, PLACES
+from fsi.bodies.configuration import LOADS, MODES, PLACES, Array
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_quantity
 from fsi.case.sections import (
@@ -30,6 +30,8 @@ from fsi.observables.quantities import component, computed, stress_column, time_
 from fsi.reduced.model import ReducedModel
 from fsi.run_folder.kept import BODIES, CASE, STEPS
 from fsi.runs import resume, run
+
+_OF_RUN = "take fsi sweep --run"
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +89,10 @@ def require_quantity(case: Case, quantity: str, *, moving: bool = False) -> None
     """Raise InputError if a case has no such quantity, at one instant or, moving, of a run."""
     here = f"--quantity {quantity}"
     of_run = ".position." in quantity or quantity.startswith(TIME_AT_GAP)
-    if not re.fullmatch(QUANTITY, quantity) or (of_run and not moving):
-        raise InputError(f"{here}: no such number at an instant; give {Expected.describe('quantity')}")
+    if not re.fullmatch(QUANTITY, quantity):
+        raise InputError(f"{here}: no such number; give {Expected.describe('quantity')}")
+    if of_run and not moving:
+        raise InputError(f"{here}: is of a run, not of an instant; give a velocity or a force, or {_OF_RUN}")
     check_quantity(case, quantity, here)
 
 
@@ -108,7 +112,10 @@ def _column(case: Case, quantity: str) -> str | None:
 
 def _moved(case: Case, folder: Path, quantity: str) -> float:
     if (column := _column(case, quantity)) is not None:
-        return _mean(np.genfromtxt(folder / STEPS, delimiter=",", names=True), column, quantity)
+        table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
+        if column not in (table.dtype.names or ()):
+            raise InputError(f"--quantity {quantity}: runs of this model have none; take another quantity")
+        return mean_over_time(table["t"], table[column], case.knots())
     if quantity.startswith(TIME_AT_GAP):
         table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
         return time_at(gap_of(quantity), table["t"], table["smallest_gap"])
@@ -120,9 +127,15 @@ def _moved(case: Case, folder: Path, quantity: str) -> float:
     return float(last[names[mode]]) * (-1.0 if names is LOADS[case.dimension] else 1.0)
 
 
-def _mean(table: NDArray[Any], column: str, quantity: str) -> float:
-    """The mean over time of a column of steps.csv, its parts linear. Raises InputError: it is not there."""
-    if column not in (table.dtype.names or ()):
-        raise InputError(f"--quantity {quantity}: runs of this model have none; take another quantity")
-    t = table["t"]
-    return float(np.trapezoid(table[column], t) / (t[-1] - t[0]))
+def mean_over_time(t: Array, values: Array, kinks: Sequence[float] = ()) -> float:
+    """Of what has these values at times t, (K,): the integral of cubic splines between kinks over the time.
+
+    Steps are as long as gaps allow: on straight lines the dissipation of a wall that speeds up was 3 % off.
+    """
+    if len(t) == 1 or not np.isfinite(values).all():
+        return float(values.mean())
+    ends = sorted({0, len(t) - 1, *(k for k in np.searchsorted(t, kinks).tolist() if k < len(t))})
+    pieces = [slice(first, last + 1) for first, last in pairwise(ends)]
+    splines = [make_interp_spline(t[k], values[k], k=min(3, len(t[k]) - 1)) for k in pieces]
+    whole = sum(float(spline.integrate(*t[k][[0, -1]])) for spline, k in zip(splines, pieces, strict=True))
+    return whole / float(t[-1] - t[0])

@@ -5,10 +5,11 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fsi.case.load import parse_case
-from fsi.studies.evaluate import of_motion
+from fsi.studies.evaluate import mean_over_time, of_motion
 from tests.small_run import rows
 
 PUSHED = """
@@ -36,3 +37,21 @@ def test_the_force_at_the_end_of_a_run_is_that_of_the_fluid(tmp_path: Path) -> N
     after = next(k for k, gap in enumerate(gaps) if gap < 0.3)
     t = [float(step["t"]) for step in steps]
     assert t[after - 1] < found["time at gap 0.3"].value < t[after]
+
+
+def test_means_of_long_steps_follow_what_bends() -> None:
+    """(1/2 + 3t/2)^2 has the mean 7/4; by straight lines between these steps of a run it is 1.81."""
+    t = np.array([0.0, 0.17, 0.52, 1.0])
+    assert mean_over_time(t, (0.5 + 1.5 * t) ** 2) == pytest.approx(1.75, rel=1e-14)
+
+
+def test_means_do_not_go_round_kinks() -> None:
+    """|t - 1| from 0 to 3 has the mean 5/6; one spline through its steps is 2 % off."""
+    t = np.array([0.0, 0.4, 1.0, 1.3, 2.0, 3.0])
+    assert mean_over_time(t, np.abs(t - 1.0), (1.0, 7.0)) == pytest.approx(5.0 / 6.0, rel=1e-14)
+    assert mean_over_time(t, np.abs(t - 1.0)) != pytest.approx(5.0 / 6.0, rel=1e-2)
+
+
+def test_a_mean_of_what_is_infinite_is_no_number_to_go_on_with() -> None:
+    assert mean_over_time(np.array([0.0, 1.0, 2.0]), np.array([1.0, np.inf, 1.0])) == np.inf
+    assert mean_over_time(np.zeros(1), np.array([2.0])) == 2.0
