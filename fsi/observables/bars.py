@@ -9,7 +9,7 @@ import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from math import nan
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -96,6 +96,8 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
         relative["viscosity"] = viscosity / abs(mu)
+    if not len(bodies.q) and 0.0 < lost < inf:  # nothing else tells how good the flow is
+        relative["dissipation"] = dissipation / lost
     away = [each.factor * (_motion(each.results) - _motion(results)) for each in others]
     return StepErrors(errors, relative, np.sum(away, axis=0))
 

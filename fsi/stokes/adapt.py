@@ -19,7 +19,7 @@ from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.case.checks.work import bytes_of, finer_by
 from fsi.case.sections import HIGHEST_DEGREE
-from fsi.errors import SolveError, apart
+from fsi.errors import InputError, SolveError, apart
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.state import Instant
 from fsi.machine.resources import memory, size
@@ -59,8 +59,8 @@ def solve_with_errors(case: Case) -> Solved:
 
     Bodies have no inertia here: free ones have the velocity that they would soon reach.
 
-    Raises InputError: only inertia determines the motion; MeshError, SolveError: as `StokesModel`, or the
-    tolerance is not reached.
+    Raises InputError: only inertia determines the motion, or the tolerance is one of an infinite dissipation;
+    MeshError, SolveError: as `StokesModel`, or the tolerance is not reached.
     """
     require_determined_at_rest(case)
     q = case.configuration()
@@ -96,6 +96,11 @@ def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
     model = StokesModel(case)
     solution = model.of_degree(case.discretisation.degree, q, t, motion)
     estimated = model.errors(q, t, solution, motion)
+    if case.discretisation.tolerance is not None and not len(q) and np.isinf(solution.dissipation):
+        raise InputError(
+            f"discretisation.tolerance = {case.discretisation.tolerance!r}: without bodies it is that of the "
+            "dissipation, which is infinite here; drop it"
+        )
     largest = max(estimated.relative.values(), default=0.0)
     return Solved(case, largest, solution.dofs, solution, estimated.errors)
 

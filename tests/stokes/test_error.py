@@ -13,7 +13,7 @@ from numpy.testing import assert_array_equal
 from fsi.case.case import Case
 from fsi.case.checks.work import bytes_of
 from fsi.case.load import load_case, parse_case
-from fsi.errors import SolveError
+from fsi.errors import InputError, SolveError
 from fsi.integration.errors import ErrorEstimate
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
@@ -109,6 +109,28 @@ def test_velocities_that_vanish_by_symmetry_do_not_miss_a_tolerance() -> None:
     solved = solve_with_errors(case)
     assert solved.error <= 1e-3
     assert np.all(np.abs(solved.solution.U[0, [0, 2]]) <= 10.0 * solved.errors.U[0, [0, 2]])
+
+
+def wavy(walls: dict[str, Any]) -> Case:
+    """A channel without bodies, with few cells and a tolerance."""
+    wave = {"kind": "wave", "height": 0.2, "length": 2.0, "number": 1, "start": -1.0}
+    domain = {"lower": [-2.0, 0.0], "upper": [2.0, 2.0], "walls": walls, "profiles": {"bottom": wave}}
+    sizes = {"cells_per_circle": 12, "growth": 0.8, "degree": 3, "tolerance": 2e-4}
+    fluid = {"viscosity": 1.0}
+    return parse_case({"name": "wavy", "fluid": fluid, "domain": domain, "discretisation": sizes})
+
+
+def test_without_bodies_the_dissipation_has_the_tolerance() -> None:
+    """Its bar is 8.7e-4 of it with the sizes of the case."""
+    case = wavy({"left": {"pressure": 1.0}, "right": "open"})
+    rough, solved = solve_with_errors(without_tolerance(case)), solve_with_errors(case)
+    assert rough.errors.dissipation > 8e-4 * rough.solution.dissipation
+    assert solved.error == solved.errors.dissipation / solved.solution.dissipation <= 2e-4
+
+
+def test_a_tolerance_of_nothing_is_refused() -> None:
+    with pytest.raises(InputError, match=r"discretisation\.tolerance = 0\.0002: .* infinite here"):
+        solve_with_errors(wavy({"top": [1.0, 0.0]}))
 
 
 @pytest.mark.parametrize(("room", "tried"), [(1.0, 1), (1.12, 2)])

@@ -97,7 +97,11 @@ def bytes_of(case: Case, unknowns: float) -> float:
 
 
 def finer_by(case: Case, finer: Case) -> float:
-    """How many times as many unknowns a case has with other sizes."""
+    """How many times as many unknowns a case has with other sizes; without bodies at most."""
+    if not case.bodies:
+        now, then = case.discretisation, finer.discretisation
+        finest = then.cells_per_circle / now.cells_per_circle * now.growth / then.growth
+        return float((finest * then.degree / now.degree) ** case.dimension)
     gaps = find_gaps(case.configuration(), case.container())
     return _unknowns(finer, gaps, finer.discretisation) / _unknowns(case, gaps, case.discretisation)
 
