@@ -18,7 +18,7 @@ from tests.test_gallery import EXAMPLES
 
 FOLDER = Path(__file__).parents[1] / "docs" / "notebooks"
 NOTEBOOKS = {path.stem: path for path in sorted(FOLDER.glob("*.ipynb"))}
-QUICK = ("film_pressure",)
+QUICK = ("film_pressure", "dilute_viscosity")
 
 
 def cells(name: str) -> list[dict[str, Any]]:

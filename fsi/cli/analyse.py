@@ -10,6 +10,7 @@ import typer
 
 import fsi.parallel as parallel
 from fsi.cli.arguments import AsJson, RunFolder, option
+from fsi.files import json_text
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -18,7 +18,7 @@ from fsi.meshes.geometry.lattice import Lattice
 APART = 0.1
 # Of the smallest radius: linear gaps that are closed, 1e4 times wider than the projection leaves them.
 CLOSED = 1e-6
-# Of a period: how far bodies may go past each other. They meet no other image on the way and part from it again.
+# Of a period: how far bodies may go past each other. They cannot meet another image and part from it again.
 SEEN = 0.5
 
 
@@ -31,8 +31,8 @@ def require_seen(system: System, U: Array, h: float, t: float) -> None:
     farthest = float(np.ptp(ways, axis=0).max())
     if farthest > SEEN:
         raise SolveError(
-            f"bodies go {farthest:.3g} periods past each other in the step to t = {t:.9g}, through images that "
-            "it does not see; lower time.step"
+            f"bodies go {farthest:.3g} periods past each other in the step to t = {t:.9g}, through images "
+            "that it does not see; lower time.step"
         )
 
 

@@ -20,6 +20,7 @@ from fsi.pores.start import surrounding, widest_view
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, BoundingSurfaces, NoPoresError
 from fsi.pores.topology import Pores, linked, numbered, pores_of, with_more_discs
 
+_ALIKE = 9  # digits of radii that tell which circle is larger
 _ROUNDS = 60
 # Circles in flat pores may make others flat: of a disc in a tight container they go around it, one by one,
 # and into the crescent where they nearly touch without end: there those of the first rounds are enough.
@@ -120,7 +121,9 @@ def _more(
     radius = np.minimum(circles.radius, _touches_its_images(surfaces.periods))
     least = np.where(np.isfinite(circles.asked), circles.asked, _wide_from(surfaces, links, wide))
     wanted = np.flatnonzero(radius > least)
-    wanted = wanted[np.argsort(-radius[wanted], kind="stable")]
+    # Circles as large but for rounding, as symmetry leaves them, go by their numbers.
+    size = np.round(radius[wanted] / radius[wanted].max(initial=0.0), _ALIKE)
+    wanted = wanted[np.argsort(-size, kind="stable")]
     pores, radius = separate(
         surfaces.shapes(), links, wanted, np.column_stack([circles.centre, radius, least])
     )

@@ -106,6 +106,8 @@ class Run:
     def table(self, name: str) -> pd.DataFrame:
         """The complete rows of the table `name`.csv. Raises InputError: none, or someone has changed them."""
         path, commit = self.path / f"{name}.csv", self._commit
+        if name == "bodies" and not self.case.names:
+            raise InputError(f"{self.path}: the run has no bodies, and so no {path.name}")
         length, end = (commit.lengths.get(path.name), commit.state.t) if commit else (None, inf)
         return read_table(path, length, end)
 
@@ -154,6 +156,9 @@ class Run:
             if self.series != "fluid" and series in ("fluid", "surface"):
                 what = f'model = "{self.case.model}": the run in {self.path} has no flow field'
                 raise InputError(f"{what}; use `fsi render`, `fsi plot` or `fsi report`")
+            names = sorted(each.stem for each in self.path.glob("*.pvd"))
+            if names and series not in ("fluid", "surface"):
+                raise InputError(f"series = {series}: the run has none of it; give {', '.join(names)}")
             what = f"{self.path / series}.pvd: the run has written no fields"
             remedy = "set output.fields = true and run it again"
             if self.series == "fluid" and self.case.geometry == "planar":

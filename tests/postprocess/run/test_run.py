@@ -33,6 +33,25 @@ def test_times_and_meshes_of_the_steps_with_fields(run: Path) -> None:
     assert opened.configuration(2).angles == pytest.approx([0.2])
 
 
+def test_another_series_is_refused_with_those_there_are(run: Path) -> None:
+    with pytest.raises(InputError, match=r"^series = foo: the run has none of it; give fluid"):
+        fsi.open_run(run).mesh(0, "foo")
+
+
+def test_a_run_without_bodies_says_so(tmp_path: Path) -> None:
+    """Of blocks: it was told to be continued, though it was finished."""
+    block = {"left": 0.0, "right": 1.0, "density": 0.5, "initial_velocity": "1.0"}
+    parcels = {"parcels": 4, "blocks": [block]}
+    case = fsi.make_case(
+        name="blocks", model="macroscopic", domain={"shape": "unbounded"}, macroscopic=parcels,
+        time={"end": 1.0, "step": 0.5},
+    )  # fmt: skip
+    done = fsi.run(case, tmp_path / "run")
+    assert done.finished
+    with pytest.raises(InputError, match=r"the run has no bodies, and so no bodies\.csv$"):
+        done.bodies  # noqa: B018
+
+
 def test_a_step_without_fields(run: Path) -> None:
     with pytest.raises(InputError, match=r"step = 1: has no fields; give one of 0, 2$"):
         fsi.open_run(run).mesh(1)
