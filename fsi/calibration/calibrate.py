@@ -78,7 +78,7 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
     if fit is not None:
         data |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
         if not np.isnan(fit.exponent):
-            data |= {"exponent": fit.exponent, "exponent_error": fit.exponent_error}
+            data |= {"exponent": fit.exponent, "exponent_interval": fit.exponent_interval}
     if result.leading is not None:
         data["leading"] = asdict(result.leading)
     if test is not None:

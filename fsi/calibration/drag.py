@@ -81,6 +81,7 @@ def calibrated_drag(
         shape="spheres" if case.spheres else "discs",
         fraction=case.fraction,
         cutoff=relative_cutoff(case),
-        laws=case.reduced.laws,
+        laws={key: Path(law).name for key, law in case.reduced.laws.items()},
+        digests=case.reduced.digests(),
         source=found,
     )

@@ -23,10 +23,11 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps, foot_between
+from fsi.bodies.resolved_gaps import too_narrow
+from fsi.calibration.sharpness import is_sharp, sharpness
 from fsi.case.case import Case
 from fsi.case.checks.surfaces import slip_lengths
 from fsi.case.load import parse_case
-from fsi.case.profiles.profile import WallProfile
 from fsi.case.section import refusal, toml_text
 from fsi.case.sections import Calibration
 from fsi.errors import InputError
@@ -34,9 +35,9 @@ from fsi.integration.state import Results
 from fsi.lubrication.expansions import LawShape
 from fsi.lubrication.sliding import tangents
 from fsi.meshes.geometry.feet import Foot
-from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.wall_feet import wall_feet
+from fsi.observables.truncation import is_infinite
 
 # Sections of a case that none of its resistances has.
 LEFT_OUT = frozenset({"calibration", "time", "output", "expected", "sweep", "forces"})
@@ -97,20 +98,38 @@ class Pair:
         radii = self.case.configuration().radii
         return float(1.0 / np.sum(1.0 / radii))
 
+    @property
+    def confined(self) -> bool:
+        """Whether there is more than the pair in a container that stands for infinity."""
+        others = [wall for wall in self.case.container().walls if wall != self.plan.pair[1]]
+        return len(others) > 1 or not is_infinite(self.at(self.plan.range[1]))
+
     def at(self, gap: float) -> Case:
         """The case at this gap, with its unit motion alone. Raises InputError: bodies have no room there."""
-        centre = self.case.configuration().centres[self.first] + (gap - self.gap) * self.normal
         data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude={*LEFT_OUT, "reduced"})
         data["bodies"] = list(data["bodies"])
         for i, body in enumerate(data["bodies"]):
             place = {key: body[key] for key in _PLACE if key in body}
             data["bodies"][i] = place | self._motion(i, gap)
-        data["bodies"][self.first]["position"] = tuple(centre.tolist())
+        data["bodies"][self.first]["position"] = tuple(self._centre(gap).tolist())
         try:
             return parse_case(data)
         except InputError as error:
             here = f"calibration.range: at the gap {gap:g}"
             raise InputError(f"{here} the case is not sound: {error}") from None
+
+    def _centre(self, gap: float) -> Array:
+        """Of the first body at this gap, (d,)."""
+        return np.asarray(self.case.configuration().centres[self.first] + (gap - self.gap) * self.normal)
+
+    def require_resolved(self) -> None:
+        """Raise InputError where the smallest gap of the range is one that is not resolved."""
+        q, gap = self.case.configuration(), self.plan.range[0]
+        centres = q.centres.copy()
+        centres[self.first] = self._centre(gap)
+        narrow = too_narrow(replace(q, centres=centres), self.case.container(), self.case.names)
+        if narrow is not None:
+            raise InputError(f"calibration.range.0 = {gap:g}: {narrow}; begin at a wider gap")
 
     def require_gap(self, gap: float) -> None:
         """Raise InputError where bodies have no room at this gap, or it is another one between shapes."""
@@ -210,13 +229,14 @@ def pair_of(case: Case) -> Pair:
         raise InputError(f"{here}: bodies of two radii slide as a couple turns them; give equal radii")
     if plan.mode != "squeeze" and pair.shaped:
         raise InputError(f'{here}: laws of shapes are those along the normal; give "squeeze"')
-    if case.axisymmetric and any(_is_sharp(outline) for outline in case.configuration().outlines):
+    if case.axisymmetric and any(is_sharp(outline) for outline in case.configuration().outlines):
         here = f"calibration.pair = {toml_text(plan.pair)}"
         raise InputError(f"{here}: laws of bodies on an axis are those of smooth ones; drop the tip")
-    if len(set(_sharpness(case, pair))) > 1:
+    if len(set(sharpness(case, plan.pair[1]))) > 1:
         here = f"calibration.pair = {toml_text(plan.pair)}"
         raise InputError(f"{here}: between a tip and what is curved there are more powers; give a plane wall")
     _check_surroundings(case)
+    pair.require_resolved()
     for gap in plan.range:
         pair.require_gap(gap)
     return pair
@@ -240,22 +260,6 @@ def _straightened(foot: Foot, other: Placed) -> Foot:
     way = foot.x - other.at(other.nearest(foot.x[None])).x[0]
     length = float(np.hypot(*way))
     return replace(foot, normal=way / length) if length > _SAME_GAP * other.outline.radius else foot
-
-
-def _sharpness(case: Case, pair: Pair) -> list[bool]:
-    """Of each side that is curved, whether it is as the end of a tip is: without bound."""
-    outlines = case.configuration().outlines
-    sharp = [_is_sharp(outline) for outline in outlines]
-    profiles: dict[str, WallProfile] = getattr(case.domain, "profiles", {})
-    if pair.plan.pair[1] in profiles:
-        heights = profiles[pair.plan.pair[1]].heights()
-        sharp.append(bool(np.isinf(heights.at(np.array(heights.joints))[2]).any()))
-    return sharp
-
-
-def _is_sharp(outline: Outline) -> bool:
-    """Whether it has the end of a tip."""
-    return bool(np.isinf(outline.curvature(np.array(outline.joints))).any())
 
 
 def _turning(values: list[float]) -> float | tuple[float, ...]:

@@ -10,8 +10,8 @@ from fsi.calibration.pair import Pair
 from fsi.calibration.samples import Sample, Samples, as_arrays
 from fsi.case.law_file import LawFile, SeriesSection, TableSection, not_falling
 from fsi.errors import SolveError
-from fsi.lubrication.expansions import EXPONENTS, LawShape, basis, coefficients
-from fsi.lubrication.fitting import CONFIDENCE, Fit, fit_series
+from fsi.lubrication.expansions import EXPONENTS, LawShape, basis, coefficients, is_singular
+from fsi.lubrication.fitting import Fit, fit_series
 from fsi.lubrication.free_exponent import PLANAR, REVOLVED, fit_exponent
 from fsi.lubrication.profiles import Term
 from fsi.run_folder.provenance import launch
@@ -25,7 +25,7 @@ class Coefficient:
         term: phi_k in s = d/a_r.
         value: c_k.
         interval: half of its 95 % interval.
-        theory: the exact one, or None.
+        theory: the exact one, or None: in a container that is not infinite those of singular terms alone.
     """
 
     term: str
@@ -112,7 +112,7 @@ class CalibrationResult:
         """Of a law between shapes; None of others, whose exponents are known."""
         if self.fit is None or not self.pair.shaped:
             return None
-        m, width = -self.fit.exponent, CONFIDENCE * self.fit.exponent_error
+        m, width = -self.fit.exponent, self.fit.exponent_interval
         a, c = self.pair.reduced_radius, float(self.fit.coefficients[0])
         of_c = float(self.fit.intervals[0]) + abs(c * np.log(a)) * width
         return LeadingTerm(c * a**m, of_c * a**m, m, width)
@@ -135,12 +135,15 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
         law = LawFile(**common, table=TableSection(s=tuple(s.tolist()), K=tuple(K.tolist())))
         return CalibrationResult(pair, samples, law, None, [], _tested(pair, samples, law))
     shape: LawShape = pair.shape
+    confined = pair.confined
     known: dict[Term, float] = {}
     if shape == "shapes":
-        fit = fit_exponent(s, K, bars, REVOLVED if pair.case.axisymmetric else PLANAR)
+        free = REVOLVED if pair.case.axisymmetric else PLANAR
+        fit = fit_exponent(s, K, bars, free.confined() if confined else free)
     else:
-        fit = fit_series(s, K, bars, basis(shape, pair.plan.mode))
+        fit = fit_series(s, K, bars, basis(shape, pair.plan.mode, confined=confined), confined=confined)
         known = coefficients(shape, pair.plan.mode, pair.ratio)
+        known = {term: c for term, c in known.items() if is_singular(term) or not confined}
     common["source"] |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
     series = SeriesSection(
         powers=tuple(term.power for term in fit.terms),

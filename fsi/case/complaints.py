@@ -46,7 +46,8 @@ def _complaint(mistake: ErrorDetails) -> str:
     """Pydantic's words in those of a case file."""
     if mistake["type"] in _COMPLAINTS:
         return _COMPLAINTS[mistake["type"]]
-    complaint = mistake["msg"].removeprefix("Value error, ").replace("valid tuple", "list").replace(" after validation", "")
+    complaint = mistake["msg"].removeprefix("Value error, ").replace("valid tuple", "list")
+    complaint = complaint.replace(" after validation", "")
     for subject in ("Input should", "Tuple should", "String should"):
         complaint = complaint.replace(subject, "must")
     return complaint

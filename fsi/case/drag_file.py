@@ -5,8 +5,11 @@ error = 2e-6               # estimated, of the resolved flow
 shape = "discs"
 fraction = 0.4             # of the domain that is bodies
 cutoff = 1.0               # over the mean radius
-[laws]                     # those of [reduced], which resist besides
-law = "exact"
+[laws]                     # those of [reduced], which resist besides, of files the names
+law = "law.toml"
+wall_law = "exact"
+[digests]                  # of the laws in files, which tell whether others are the same
+law = "0b5c..."
 [source]                   # free: case, mean mobility, versions ...
 """
 
@@ -38,6 +41,8 @@ class DragFile(Section):
     """the gap beyond which bodies did not feel each other, over their mean radius, or none"""
     laws: dict[str, str]
     """a section [laws] with the laws of the gaps"""
+    digests: dict[str, str]
+    """a section [digests], which `fsi resistance CASE --drag FILE` writes: make the file anew by it"""
     source: dict[str, Any] = Field(default={})
     """a section [source]"""
 

@@ -19,6 +19,8 @@ name (`fsi.lubrication.named_laws`): "exact", "leading", or "slides", which is v
 
 from __future__ import annotations
 
+import hashlib
+import json
 from math import inf
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -202,6 +204,12 @@ class LawFile(Section):
         """What it is a law of, for messages."""
         return "a body and a plane wall" if self.ratio is None else f"bodies of radii 1 : {self.ratio:g}"
 
+    def digest(self) -> str:
+        """A hash of K(s), of the motion and the pair: the same at any viscosity, from any source."""
+        other: dict[str, Any] = {"source": True, "viscosity": True, "series": {"covariance"}}
+        law = self.model_dump(mode="json", exclude_none=True, exclude=other)
+        return hashlib.sha256(json.dumps(law, sort_keys=True).encode()).hexdigest()[:32]
+
     def error(self, d: Array, radius: float) -> Array | None:
         """Half width of the 95 % interval of kappa(d), shape of d; None for laws that state no error."""
         if self.series is None:
@@ -216,16 +224,17 @@ def _is_range(given: tuple[float, float] | None) -> TypeGuard[tuple[float, float
 
 
 def not_falling(series: Series) -> str | None:
-    """Where in its range a series is not positive, or rises with the gap: "rises at s = 0.3"."""
+    """Where in its range a series is no number > 0, or rises with the gap: "rises at s = 0.3"."""
     low, high = series.range
     s = np.geomspace(max(low, high * _NARROWEST), high, _POINTS)
-    K = series.value(s)
-    wrong = ~(K > 0.0)
-    wrong[1:] |= np.diff(K) > _ROUNDING * np.abs(K[1:])
+    with np.errstate(over="ignore", invalid="ignore"):  # of powers that no law has
+        K = series.value(s)
+        wrong = ~((K > 0.0) & np.isfinite(K))
+        wrong[1:] |= np.diff(K) > _ROUNDING * np.abs(K[1:])
     k = int(np.argmax(wrong))
     if not wrong[k]:
         return None
-    return f"rises at s = {s[k]:.4g}" if K[k] > 0.0 else f"is {K[k]:.4g} at s = {s[k]:.4g}"
+    return f"rises at s = {s[k]:.4g}" if 0.0 < K[k] < inf else f"is {K[k]:.4g} at s = {s[k]:.4g}"
 
 
 def read_law_file(path: Path) -> LawFile:

@@ -62,5 +62,14 @@ class Reduced(Section):
 
     @property
     def laws(self) -> dict[str, str]:
-        """The laws that are given, by their keys; those of files by the names of the files."""
-        return {key: Path(law).name for key in LAW_KEYS if (law := getattr(self, key)) is not None}
+        """The law of each kind of gap, by its key: a name, or the path of a law file."""
+        asked = {key: getattr(self, key) or getattr(self, key.removeprefix("wall_")) for key in LAW_KEYS}
+        return {key: law for key, law in asked.items() if law is not None}
+
+    def digests(self) -> dict[str, str]:
+        """Those of laws in files, as far as there are such, by their keys. Raises InputError: one is none."""
+        from fsi.case.law_file import read_law_file
+        from fsi.lubrication.named_laws import LAWS
+
+        paths = {key: Path(law) for key, law in self.laws.items() if law not in LAWS}
+        return {key: read_law_file(path).digest() for key, path in paths.items() if path.is_file()}

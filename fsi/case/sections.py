@@ -122,7 +122,7 @@ class Calibration(Section):
     samples: int = Field(default=20, ge=6)
     """the number of gaps in the range, at least 6, equal in the logarithm"""
     held_out: int = Field(default=4, ge=0)
-    """the number of gaps between these that test the law, at least 0"""
+    """the number of gaps between these that test the law, at least 0, fewer than `samples`"""
     form: Literal["series", "table"] = "series"
     '"series" or "table"'
 
@@ -137,11 +137,12 @@ class Calibration(Section):
             )
         return range
 
-    @model_validator(mode="after")
-    def _between_samples(self) -> Self:
-        if self.held_out >= self.samples:
-            raise ValueError(f"has {self.samples} samples and as many between them at most one fewer")
-        return self
+    @field_validator("held_out")
+    @classmethod
+    def _between_samples(cls, held_out: int, info: ValidationInfo) -> int:
+        if held_out >= (samples := info.data.get("samples", held_out + 1)):
+            raise ValueError(f"there are {samples - 1} gaps between {samples} samples")
+        return held_out
 
 
 class PoreResolution(Section):

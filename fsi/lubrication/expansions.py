@@ -44,16 +44,24 @@ EXPONENTS: dict[tuple[LawShape, Mode], int] = {
 }
 
 
-def basis(shape: Shape, mode: Mode) -> tuple[Term, ...]:
+def basis(shape: Shape, mode: Mode, *, confined: bool = False) -> tuple[Term, ...]:
     """The terms that a fit may use, in the order of their size at small s.
 
-    Those of discs include a constant, which the exact expansion has not: a finite container may add one.
+    Those of discs include a constant, which the exact expansion has not: a container that stands for infinity
+    may add a little. Where the pair is confined, what surroundings add is analytic in s: 1, s, s^2, ...
     """
     if shape == "discs":
         singular = (-1.5, -0.5) if mode == "squeeze" else (-0.5,)
-        return tuple(Term(power) for power in (*singular, 0.0, *(k + 0.5 for k in range(_HIGHEST + 1))))
+        whole = range(_HIGHEST + 1 if confined else 1)
+        powers = sorted([*whole, *(k + 0.5 for k in range(_HIGHEST + 1))])
+        return tuple(Term(float(power)) for power in (*singular, *powers))
     regular = tuple(Term(float(k), log) for k in range(_HIGHEST + 1) for log in (True, False))
     return (Term(-1.0), *regular) if mode == "squeeze" else regular
+
+
+def is_singular(term: Term) -> bool:
+    """Whether a term grows without bound as the gap closes: its coefficient is that in any surroundings."""
+    return term.power < 0.0 or (term.power == 0.0 and term.log)
 
 
 def coefficients(shape: Shape, mode: Mode, ratio: float) -> dict[Term, float]:

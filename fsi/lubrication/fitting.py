@@ -2,11 +2,12 @@
 
 Samples K_i at s_i have error bars b_i, and the exact K is the series sum_k c_k phi_k(s) of its geometry,
 which a fit must break off. So the coefficients of the first terms are free, and those of later terms are
-unknown numbers of natural size: normal, of mean 0 and standard deviation |c1| (in all expansions known, in
-`fsi.lubrication.expansions`, they are of the size of c1 or below). They are estimated with the others, and
-what is not known of them is the error of the model, which so enters every confidence interval:
+unknown numbers of natural size: normal, of mean 0 and standard deviation w = |c1| (in all expansions known,
+in `fsi.lubrication.expansions`, they are of the size of c1 or below), of confined pairs more, see
+`fit_series`. They are estimated with the others, and what is not known of them is the error of the model,
+which so enters every confidence interval:
 
-    min over c   (K - Phi c)^T C^-1 (K - Phi c) + sum over later k (c_k/c1)^2
+    min over c   (K - Phi c)^T C^-1 (K - Phi c) + sum over later k (c_k/w)^2
     C = diag(b^2) + b b^T
 
 C counts every bar twice, as independent and as common to all samples: meshes of one kind may err to the same
@@ -23,6 +24,9 @@ from fsi.lubrication.profiles import Array, Term
 
 CONFIDENCE = 1.959963984540054  # standard deviations of a 95 % interval
 CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is believed
+# Of later coefficients over the constant that surroundings add. Boxes that leave a disc half a radius at its
+# sides have 4 times the constant, those of two radii 0.6 times.
+SURROUNDINGS = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +60,11 @@ class Fit:
         return believable(self.chi2, self.dof)
 
     @property
+    def exponent_interval(self) -> float:
+        """Half width of the 95 % interval of the exponent."""
+        return CONFIDENCE * self.exponent_error
+
+    @property
     def intervals(self) -> Array:
         """Half widths of the 95 % intervals of the coefficients, shape (k,)."""
         return CONFIDENCE * np.sqrt(np.diag(self.covariance))
@@ -77,7 +86,9 @@ def design(terms: tuple[Term, ...], s: Array) -> Array:
     return np.stack([term.value(s) for term in terms], axis=-1)
 
 
-def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: int = 3) -> Fit:
+def fit_series(
+    s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: int = 3, *, confined: bool = False
+) -> Fit:
     """Fit the series to the samples of the smallest gaps, to as many as agree with it.
 
     The farthest samples are dropped until chi^2 is believable, down to one more than free coefficients, where
@@ -85,14 +96,18 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
 
     s: gaps over the reduced radius, increasing, (n,), n > free. K, bars: samples of the profile and their
     errors, positive, (n,). terms: in the order of their size at small s; the first `free` of them have no
-    prior. Raises ValueError: too few samples, or not in order.
+    prior. confined: whether surroundings add what is analytic in s: a constant, one of the free terms, and
+    later terms of its size. Raises ValueError: too few samples, or not in order.
     """
     if len(s) <= free or np.any(np.diff(s) <= 0.0):
         raise ValueError(f"{len(s)} samples: a fit needs more than {free}, at increasing gaps")
     for n in range(len(s), free, -1):
         # |c1| is known well enough by the first sample
-        widths = np.full(len(terms) - free, abs(K[0] / terms[0].value(s[:1])[0]))
-        c, covariance, misfit = regression(design(terms, s[:n]), K[:n], bars[:n], widths)
+        phi, widths = design(terms, s[:n]), np.full(len(terms) - free, abs(K[0] / terms[0].value(s[:1])[0]))
+        c, covariance, misfit = regression(phi, K[:n], bars[:n], widths)
+        if confined:
+            widths = np.maximum(widths, SURROUNDINGS * abs(c[terms.index(Term(0.0))]))
+            c, covariance, misfit = regression(phi, K[:n], bars[:n], widths)
         if believable(misfit, n - free):
             break
     exponent, error = _leading_exponent(s[:n], K[:n], bars[:n], terms, widths)

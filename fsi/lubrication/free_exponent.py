@@ -11,6 +11,8 @@ revolution m is 1 and the rest as for spheres,
 
     K(s) = c_1 s^-m + c_2 ln(1/s) + c_3 + c_4 s ln(1/s) + c_5 s + ...
 
+Where the pair is confined, what surroundings add is analytic in s, and s and s^2 are terms as well.
+
 m is that for which the fit of `fsi.lubrication.fitting` is best, and its error enters those of the
 coefficients through dK/dm.
 """
@@ -54,6 +56,10 @@ class FreeSeries:
     def widths(self, m: float, s: Array, K: Array) -> Array:
         """Of the later coefficients, by the c_1 that the first sample has."""
         return np.full(len(self.slopes) - FREE, NATURAL * float(K[0] * s[0] ** m))
+
+    def confined(self) -> "FreeSeries":
+        """With what surroundings add, which is analytic in s: s and s^2, as the constant is there."""
+        return FreeSeries(self.ratios, tuple(dict.fromkeys((*self.others, Term(1.0), Term(2.0)))))
 
 
 PLANAR = FreeSeries((-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0))

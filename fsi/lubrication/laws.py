@@ -19,6 +19,9 @@ from numpy.typing import ArrayLike
 from fsi.errors import InputError
 from fsi.lubrication.profiles import Array, Profile, distinct
 
+# Of the ends of a range: gaps are differences, and those that were meant to be at an end may be beyond it.
+ROUNDING = 1e-9
+
 
 class RangeError(InputError, ValueError):
     """A law was asked for a gap outside its range."""
@@ -83,7 +86,7 @@ class ScaledLaw:
         a = np.asarray(radius, dtype=np.float64)
         s = np.asarray(d, dtype=np.float64) / a
         smallest, largest = (0.0, np.inf) if self.extrapolate else self.range
-        outside = ~((s > 0.0) & (s >= smallest) & (s <= largest))
+        outside = ~((s > 0.0) & (s >= smallest * (1.0 - ROUNDING)) & (s <= largest * (1.0 + ROUNDING)))
         if np.any(outside):
             here = f"gap / reduced radius = {s[outside].flat[0]:.6g}: the lubrication law holds from"
             remedy = "keep gaps positive and in this range, or ask for extrapolation"

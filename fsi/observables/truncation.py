@@ -80,17 +80,21 @@ class SolvedFlow:
 ROOM = 0.375  # of the radius of a container that stands for infinity, in which all bodies are
 
 
-def halved(case: Case) -> Case | None:
-    """The case in a container of half the radius; None where there is no radius, or the container is real.
+def is_infinite(case: Case) -> bool:
+    """Whether the container stands for infinity: it has a radius, and no body reaches beyond ROOM of that.
 
-    It is taken as real, and not for one that stands for infinity, where a body reaches beyond ROOM of its
-    radius: at half of it the flow would be another one, and a gap that is narrow there one that nobody has.
+    Else it is real: at half the radius the flow would be another one, and a gap that is narrow there one that
+    nobody has.
     """
-    domain, q = case.domain.halved(), case.configuration()
-    if domain is None or domain.mesh is not None:
-        return None
+    q = case.configuration()
     reach = float((np.linalg.norm(q.centres, axis=1) + q.radii).max(initial=0.0))
-    if reach > ROOM * 0.5 * case.container().size():
+    return case.domain.halved() is not None and reach <= ROOM * 0.5 * case.container().size()
+
+
+def halved(case: Case) -> Case | None:
+    """The case in a container of half the radius; None where there is no radius, or the container is real."""
+    domain = case.domain.halved()
+    if domain is None or domain.mesh is not None or not is_infinite(case):
         return None
     data = case.model_dump(exclude_none=True) | {"domain": domain.model_dump(exclude_none=True)}
     try:

@@ -162,7 +162,8 @@ def lines(result: CalibrationResult) -> list[str]:
                 f"d^-({first.exponent:.6f} ± {first.exponent_interval:.1e}), 95 % intervals"
             )
         elif not np.isnan(fit.exponent):
-            said.append(f"leading exponent, if free: {fit.exponent:.6f} ± {fit.exponent_error:.1e}")
+            width = fit.exponent_interval
+            said.append(f"leading exponent, if free: {fit.exponent:.6f} ± {width:.1e}, 95 % interval")
     if test is not None:
         said.append(f"{len(test.law)} samples held out: law off by at most {test.error:.1e}, {_stated(test)}")
     if instead := sum(sample.mesh_instead for sample in result.samples):

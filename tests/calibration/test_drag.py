@@ -15,7 +15,9 @@ from fsi.bodies.configuration import Array
 from fsi.calibration.drag import calibrated_drag, reduced_model
 from fsi.case.case import Case
 from fsi.case.drag_file import DragFile, read_drag_file, save_drag
+from fsi.case.law_file import LawFile, SeriesSection, save_law
 from fsi.case.load import parse_case
+from fsi.case.reduced import LAW_KEYS
 from fsi.cli.main import app
 from fsi.errors import InputError
 from fsi.observables.resistance import Modes, Resistance, ResistanceErrors
@@ -25,6 +27,8 @@ CHANNEL = {"lower": [0.0, 0.0], "upper": [6.0, 6.0], "periodic": ["x"]}
 REDUCED = {"law": "exact", "shear_law": "exact", "rotation_law": "exact", "cutoff": 1.0}
 PLACES = [[1.0, 2.0], [3.1, 2.3], [4.5, 4.9]]
 SOURCE = Path("channel.toml")
+# Of gaps to walls too, which have those between bodies unless a case says otherwise.
+LAWS = dict.fromkeys(LAW_KEYS, "exact")
 
 
 def channel(**reduced: Any) -> Case:
@@ -65,11 +69,8 @@ def test_a_known_drag_is_found_again(drag: float) -> None:
     found = calibrated_drag(model, *as_resolved(R), SOURCE)
     assert found.drag == pytest.approx(drag, rel=1e-9)
     assert found.fraction == pytest.approx(3.0 * np.pi / 36.0)
-    assert (found.shape, found.cutoff, found.laws) == (
-        "discs",
-        1.0,
-        {k: v for k, v in REDUCED.items() if k != "cutoff"},
-    )
+    assert (found.shape, found.cutoff, found.laws) == ("discs", 1.0, LAWS)
+    assert found.digests == {}  # names tell all
 
 
 def test_its_error_is_that_of_the_mobility() -> None:
@@ -106,8 +107,7 @@ def test_the_command_gives_the_model_the_mobility_of_the_flow(tmp_path: Path) ->
 
 
 FILE = DragFile(
-    drag=8.0, error=1e-4, shape="discs", fraction=0.26, cutoff=1.0,
-    laws={key: str(value) for key, value in REDUCED.items() if key != "cutoff"},
+    drag=8.0, error=1e-4, shape="discs", fraction=0.26, cutoff=1.0, laws=LAWS, digests={}
 )  # fmt: skip
 
 
@@ -120,6 +120,8 @@ FILE = DragFile(
         ({}, {"cutoff": 0.5}, r"found with reduced\.cutoff = 1\.0 mean radii, not 0\.5"),
         ({"cutoff": None}, {}, r"found with reduced\.cutoff = None"),
         ({}, {"rotation_law": "leading"}, r"with reduced\.rotation_law = exact, not leading; give that"),
+        ({}, {"wall_law": "leading"}, r"with reduced\.wall_law = exact, not leading; give that"),
+        ({}, {"rotation_law": None}, r"with reduced\.rotation_law = exact, not none; give that"),
     ],
 )
 def test_a_drag_of_something_else_is_refused(
@@ -129,6 +131,50 @@ def test_a_drag_of_something_else_is_refused(
     save_drag(path, FILE.model_copy(update=change))
     with pytest.raises(InputError, match=message):
         channel(drag_from=str(path), **reduced)
+
+
+def test_a_default_that_is_written_out_is_the_same_law(tmp_path: Path) -> None:
+    save_drag(tmp_path / "drag.toml", FILE)
+    case = channel(drag_from=str(tmp_path / "drag.toml"), wall_law="exact", wall_shear_law="exact")
+    assert case.drag == 8.0
+
+
+def law_in(folder: Path, c: float, name: str = "law.toml", **more: Any) -> str:
+    """The path of a file with the law K = c s^(-3/2) of equal discs."""
+    folder.mkdir(exist_ok=True)
+    series = SeriesSection(powers=(-1.5,), logs=(False,), coefficients=(c,), covariance=((1e-8,),))
+    common: dict[str, Any] = {"form": "series", "shape": "discs", "ratio": 1.0}
+    common |= {"viscosity": 1.0, "range": (1e-4, 9.0)}
+    save_law(folder / name, LawFile(**(common | more), series=series))
+    return str(folder / name)
+
+
+def test_a_law_is_told_by_what_it_says_and_not_by_the_name_of_its_file(tmp_path: Path) -> None:
+    """Calibrations all write law.toml; another file of the same law, from wherever, is as good."""
+    one, other = law_in(tmp_path / "a", 13.3), law_in(tmp_path / "b", 6.6)
+    plain = {"shear_law": None, "rotation_law": None, "wall_law": "exact"}
+    model = reduced_model(channel(law=one, **plain))
+    R = model.resistance(model.case.configuration(), 0.0).toarray() + np.diag(9.0 * model.zeta.ravel())
+    found, path = calibrated_drag(model, *as_resolved(R), SOURCE), tmp_path / "drag.toml"
+    assert found.laws == {"law": "law.toml", "wall_law": "exact"}
+    save_drag(path, found)
+    same = law_in(tmp_path / "c", 13.3, "same.toml", viscosity=2.0, source={"case": "another"})
+    for law in (one, same):
+        assert channel(law=law, **plain, drag_from=str(path)).drag == found.drag
+    with pytest.raises(
+        InputError, match=r"with reduced\.law = law\.toml \(\w{8}\), not law\.toml \(\w{8}\);"
+    ):
+        channel(law=other, **plain, drag_from=str(path))
+
+
+def test_a_drag_file_that_does_not_tell_its_laws_is_to_be_made_anew(tmp_path: Path) -> None:
+    path = tmp_path / "drag.toml"
+    save_drag(path, FILE)
+    path.write_text(path.read_text().replace("[digests]", ""))
+    with pytest.raises(
+        InputError, match=r"drag\.toml: digests: missing; .* `fsi resistance CASE --drag FILE`"
+    ):
+        channel(drag_from=str(path))
 
 
 def test_a_drag_file_that_is_none_is_refused(tmp_path: Path) -> None:

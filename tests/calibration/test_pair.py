@@ -126,6 +126,29 @@ def test_the_shipped_cases_are_sound(path: Path) -> None:
         assert np.linalg.norm(q.centres[0] - q.centres[1]) - q.radii.sum() == pytest.approx(1e-3, rel=1e-12)
 
 
+CLOSE = {"lower": [-9.0, 0.0], "upper": [9.0, 99.0]}
+BESIDE = [{"name": name, "radius": 1.0, "position": place} for name, place in (("s", [0, 2]), ("t", [0, 5]))]
+
+
+@pytest.mark.parametrize(
+    ("domain", "bodies", "pair", "confined"),
+    [
+        ({"shape": "half-plane", "radius": 1e3}, BESIDE[:1], ["s", "plane"], False),
+        ({"shape": "round", "radius": 1e3}, BESIDE, ["s", "t"], False),
+        ({"shape": "half-plane", "radius": 1e3}, BESIDE, ["s", "t"], True),
+        ({"shape": "half-plane", "radius": 7.0}, BESIDE[:1], ["s", "plane"], True),
+        (CLOSE, BESIDE[:1], ["s", "bottom"], True),
+    ],
+)
+def test_what_is_beside_the_pair_confines_it(
+    domain: dict[str, Any], bodies: list[dict[str, Any]], pair: list[str], *, confined: bool
+) -> None:
+    """A radius of 1000 stands for infinity, one of 7 does not (`fsi.observables.truncation`)."""
+    plan = {"pair": pair, "range": [1e-3, 1.0]}
+    data = case_data(domain=domain, bodies=bodies, calibration=plan)
+    assert pair_of(parse_case(data)).confined is confined
+
+
 def test_forces_between_bodies_do_not_count() -> None:
     """A repulsion that pushes with the unit forces would pass for a smaller resistance."""
     repulsion = {"kind": "repulsion", "law": "exponential", "strength": 1.0, "length": 0.1, "cutoff": 1.0}
@@ -161,7 +184,15 @@ def planned(**plan: Any) -> dict[str, Any]:
         (planned(range=[0.1, 1e-3]), "calibration.range = .* is not a range of positive gaps"),
         (planned(range=[0.1, 0.1005]), "tells no terms apart; give an upper end 1.01 times the lower"),
         (planned(range=[1e-3, 20.0]), "at the gap 20 the case is not sound: .*crosses wall"),
-        (planned(samples=6, held_out=6), "as many between them at most one fewer"),
+        (
+            planned(range=[4e-9, 0.1]),
+            r"calibration\.range\.0 = 4e-09: .* 8e-09 radii, below .*; begin at a wider",
+        ),
+        (planned(range=[1e-12, 0.1]), r"calibration\.range\.0 = 1e-12: .* radii, below the 1e-08 that are"),
+        (
+            planned(samples=6, held_out=6),
+            r"held_out = 6: there are 5 gaps between 6 samples; give .* fewer than",
+        ),
         (planned(mode="sheer"), 'calibration.mode = "sheer": not one of the choices'),
         (two(mode="rotation"), 'calibration.mode = "rotation": bodies of two radii slide'),
         (two(pair=["small", "left"]), "the case has 2 bodies; drop those"),

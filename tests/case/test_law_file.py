@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+import warnings
 from math import inf, pi
 from pathlib import Path
 
@@ -107,6 +108,16 @@ def test_mistakes(old: str, new: str, complaint: str, tmp_path: Path) -> None:
         read_law_file(path).law()
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_powers_that_no_law_has_are_refused_without_warnings(tmp_path: Path) -> None:
+    """s^-300 overflows below s = 0.1, and a difference of what is infinite is no number."""
+    path = written(tmp_path / "law.toml", SERIES)
+    path.write_text(path.read_text().replace("    -1.0,", "    -300.0,", 1))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(InputError, match=r"series = .*: is inf at s = 0.0001; give a section"):
+            read_law_file(path)
 
 
 def test_a_table_must_decrease(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.lubrication.fitting import CONFIDENCE
-from fsi.lubrication.free_exponent import REVOLVED, fit_exponent
+from fsi.lubrication.free_exponent import PLANAR, REVOLVED, fit_exponent
 from fsi.lubrication.named_laws import exact_resistance
 
 S = np.geomspace(1e-6, 1e-2, 16)
@@ -50,6 +50,17 @@ def test_a_disc_beside_a_plane_has_its_own_exponent() -> None:
     fit = fit_exponent(S, K, 1e-6 * K)
     assert fit.exponent == pytest.approx(-1.5, abs=1e-5)
     assert fit.coefficients[0] == pytest.approx(3.0 * np.sqrt(2.0) * np.pi, rel=1e-4)
+
+
+@pytest.mark.parametrize("m", [0.6, 0.75, 1.5])
+def test_what_surroundings_add_is_not_taken_for_the_pairs(m: float) -> None:
+    """20/(2 - s)^(3/2), of a wall two lengths away: without s and s^2 it is up to 2 intervals off."""
+    s = np.geomspace(1e-4, 1e-1, 16)
+    K = s**-m + 0.8 * s ** (-m / 3.0) + 0.5 * s ** (m / 3.0) + 20.0 / (2.0 - s) ** 1.5
+    fit = fit_exponent(s, K, 1e-6 * K, PLANAR.confined())
+    assert fit.used.all()
+    assert abs(fit.exponent + m) < fit.exponent_interval < 1e-3
+    assert abs(fit.coefficients[0] - 1.0) < fit.intervals[0]
 
 
 @pytest.mark.parametrize(("low", "high"), [(1e-4, 1e-1), (1e-5, 1e-2)])

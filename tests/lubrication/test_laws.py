@@ -188,6 +188,17 @@ def test_a_law_is_not_asked_for_what_it_does_not_know() -> None:
     assert 0.0 < float(beyond.kappa(40.0, 2.0)) < float(law.kappa(20.0, 2.0))
 
 
+def test_a_gap_at_the_end_of_a_range_may_be_beyond_it_by_rounding() -> None:
+    """Of bodies 60 apart a gap of 1e-4 is known to 1e-10; what is 1e-8 beyond is meant to be."""
+    law = sampled_law()
+    a, (low, high) = 2.0, law.range
+    for end, beyond in ((low, -1e-10), (high, 1e-10)):
+        kappa = law.kappa(a * end * (1.0 + beyond), a)
+        assert_allclose(kappa, law.kappa(a * end, a), rtol=1e-9)
+        with pytest.raises(RangeError):
+            law.kappa(a * end * (1.0 + 100.0 * beyond), a)
+
+
 @pytest.mark.parametrize("gap", [0.0, -1e-3, np.nan])
 @pytest.mark.parametrize("name", LAWS)
 def test_no_law_for_a_gap_that_is_not_positive(name: str, gap: float) -> None:

@@ -119,7 +119,7 @@ def test_a_law_must_hold_at_the_cutoff(cutoff: float, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=refusal):
         between(cutoff, law=law)
     between(cutoff, law=law, extrapolate=True)
-    for holds in (0.002, 2.0):
+    for holds in (0.002, 2.0, 2.0 * (1.0 + 1e-10)):  # at an end, but for rounding
         case = between(holds, law=law)
         make_model(case)(case.configuration(), 0.0)
 

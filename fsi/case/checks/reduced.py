@@ -75,13 +75,22 @@ def _check_drag_file(case: Case) -> None:
             f"{here}: found with reduced.cutoff = {file.cutoff} mean radii, not {cutoff}; give that, or "
             "calibrate one for this"
         )
-    for key in sorted(file.laws.keys() | case.reduced.laws.keys()):
-        theirs, ours = (laws.get(key) for laws in (file.laws, case.reduced.laws))
-        if theirs != ours:
+    laws, digests = case.reduced.laws, case.reduced.digests()
+    for key in sorted(file.laws.keys() | laws.keys()):
+        theirs, ours = file.laws.get(key), laws.get(key)
+        its, own = file.digests.get(key, theirs), digests.get(key, ours)
+        if its != own:
             raise InputError(
-                f"{here}: found with reduced.{key} = {theirs or 'none'}, not {ours or 'none'}; give that, or "
-                "calibrate one for this"
+                f"{here}: found with reduced.{key} = {_told(theirs, its)}, not {_told(ours, own)}; give that "
+                "one, or calibrate a drag for this"
             )
+
+
+def _told(law: str | None, digest: str | None) -> str:
+    """A law for a message: of those in files, which may have one name, the start of the digest too."""
+    if law is None or digest is None:
+        return "none"
+    return law if digest == law else f"{Path(law).name} ({digest[:8]})"
 
 
 def _check_periodic(case: Case) -> None:
@@ -120,12 +129,12 @@ def _check_tangential(case: Case) -> None:
 def _check_cutoff(case: Case) -> None:
     """A law is taken less what it is at the cutoff: one of a file must hold there, for all its films."""
     from fsi.case.law_file import read_law_file
+    from fsi.lubrication.laws import ROUNDING
     from fsi.lubrication.named_laws import LAWS
 
     if (cutoff := case.reduced.cutoff) is None:
         return
-    for key in case.reduced.laws:
-        name = getattr(case.reduced, key)
+    for key, name in case.reduced.laws.items():
         if name in LAWS or not Path(name).is_file():
             continue
         file, here = read_law_file(Path(name)), f'reduced.{key} = "{name}"'
@@ -135,7 +144,7 @@ def _check_cutoff(case: Case) -> None:
             raise InputError(f'{here}: {error}; give "leading"') from None
         a_r = _reduced_radii(case, file.ratio)
         low, high = smallest * a_r.max(initial=0.0), largest * a_r.min(initial=np.inf)
-        if not low <= cutoff <= high and not case.reduced.extrapolate:
+        if not (1.0 - ROUNDING) * low <= cutoff <= (1.0 + ROUNDING) * high and not case.reduced.extrapolate:
             raise InputError(
                 f"reduced.cutoff = {cutoff:g}: {here} holds for gaps from {low:.6g} to {high:.6g} of these "
                 "bodies; give a cutoff among them, or reduced.extrapolate = true"
