@@ -99,16 +99,20 @@ def _turned(v: Array, angles: Array) -> Array:
 
 
 def write_bodies(run: Run, output: Path) -> int:
-    """Write where bodies were at all steps, how they moved and what loaded them, with radii, as CSV.
+    """Write where bodies were at all steps, their motion and loads, with shapes and radii, as CSV.
 
+    The radius of a shape other than a disc or sphere is the distance of its farthest point from its centre.
     Gives the number of rows. Raises InputError: there are no bodies, another suffix, the disk refuses.
     """
     require_suffix(output, ".csv")
     if not run.case.names:
         raise InputError(f"{run.path}: the run has no bodies; use --format vtkhdf")
-    radii = dict(zip(run.case.names, run.case.configuration().radii.tolist(), strict=True))
-    table = run.bodies.copy()
-    table.insert(3, "radius", table["body"].map(radii))
+    names, simple = run.case.names, "sphere" if run.case.spheres else "disc"
+    shapes = [body.shape.model_dump()["kind"] if body.shape else simple for body in run.case.bodies]
+    radii = run.case.configuration().radii.tolist()
+    table = run.bodies
+    table.insert(3, "shape", table["body"].map(dict(zip(names, shapes, strict=True))))
+    table.insert(4, "radius", table["body"].map(dict(zip(names, radii, strict=True))))
     write_whole(output, table.to_csv(index=False))
     return len(table)
 

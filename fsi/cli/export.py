@@ -27,7 +27,7 @@ def export(
         typer.Option(
             "--format",
             help="vtkhdf: the fields of all steps, on their curved cells; xdmf: the same in small straight "
-            "cells; csv: the bodies, with radii.",
+            "cells; csv: the bodies, with their shapes and radii (of a shape, to its farthest point).",
         ),
     ] = ExportFormat.vtkhdf,
     output: Annotated[

@@ -2,8 +2,9 @@
 
 Each patch of a pore is cut into Lagrange triangles of order 6 whose nodes carry velocity, stream function,
 vorticity, strain rate and, where there is one, pressure, and which have its mean gradient: a strip into two;
-a triangle, a strip that ends in a corner and a quarter of a fluid disc are one. Where patches meet each has
-nodes of its own. In a periodic domain each patch stands where its middle is in one period.
+a triangle, a strip that ends in a corner and a quarter of a fluid disc are one. All run counterclockwise.
+Where patches meet each has nodes of its own. In a periodic domain each patch stands where its middle is in
+one period.
 """
 
 from pathlib import Path
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.cells.lagrange import lattice
+from fsi.meshes.cells.lagrange import lattice, tabulate
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bars import DrivenBodies
@@ -43,6 +44,7 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, pressure: PressureField
     pore, ends = mesh.pore, mesh.ends
     known[mesh.corner, :_SIDE, 5:7] = 0.0  # fluid rests in a corner, where derivatives are quotients of zeros
     nodes, cells = _cells(known, ends)
+    cells = _counterclockwise(cells, nodes[:, :2])
     values = {"velocity": in_space(nodes[:, 2:4]), "psi": nodes[:, 4], "vorticity": nodes[:, 5]}
     values["strain_rate"] = nodes[:, 6]
     of_cells = {"pore": [np.concatenate([pore[~ends], pore[~ends], pore[ends]])]}
@@ -67,6 +69,19 @@ def _cells(known: Array, ends: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int
     starts = _PATCH * np.arange(count)[:, None]
     of_whole = _PATCH * count + np.arange(whole.shape[0] * len(steps)).reshape(-1, len(steps))
     return nodes, np.concatenate([starts + halves[0], starts + halves[1], of_whole])
+
+
+def _counterclockwise(cells: NDArray[np.int64], x: Array) -> NDArray[np.int64]:
+    """The cells, those with a negative Jacobian with their second and third vertex exchanged; x: (n, 2).
+
+    No cell is folded: its middle tells.
+    """
+    steps = lattice(ORDER)
+    exchanged = [steps.index((j, i)) for i, j in steps]
+    dphi = tabulate(ORDER, np.full(2, 1.0 / 3.0))[1]
+    J = np.einsum("cnd,nk->cdk", x[cells], dphi)
+    clockwise = J[:, 0, 0] * J[:, 1, 1] < J[:, 0, 1] * J[:, 1, 0]
+    return np.where(clockwise[:, None], cells[:, exchanged], cells)
 
 
 def _resampling(row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +52,7 @@ class RunHistory:
     """What is drawn of one run.
 
     Attributes:
-        name: of its folder.
+        name: of its folder; of several of one name with their number.
         t: the times, (steps,).
         strain: the strain at those times, of a sheared suspension; else None.
         panels: the curves of each panel by its title.
@@ -108,7 +108,7 @@ def plot_runs(
     """
     require_figure(output)
     singly = len(COLOURS) if len(runs) == 1 else len(_DASHES)
-    histories = [read_history(run, gap, singly, curves) for run in runs]
+    histories = _told_apart([read_history(run, gap, singly, curves) for run in runs])
     asked = panel_titles(curves)
     titles = [title for title in asked if any(title in one.panels for one in histories)]
     if curves is not None and titles != asked:
@@ -131,6 +131,15 @@ def plot_runs(
                 entries.setdefault(label, handle)
         figure.legend(list(entries.values()), list(entries), loc="outside right upper")
     return output
+
+
+def _told_apart(histories: Sequence[RunHistory]) -> list[RunHistory]:
+    """The histories, those whose folders have the same name with a number in the order given."""
+    names, told = [history.name for history in histories], []
+    for k, (name, history) in enumerate(zip(names, histories, strict=True)):
+        number = f" ({names[:k].count(name) + 1})" if names.count(name) > 1 else ""
+        told.append(replace(history, name=name + number))
+    return told
 
 
 def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:

@@ -29,6 +29,7 @@ type Picture = NDArray[np.uint8]
 
 SAMPLES = 2  # of a pixel along each side
 INK = "#222222"
+ASLANT = 1.35  # of the window in space over that of the plane: a box is seen aslant
 _LAYER = 1e-3  # distance towards the eye by which one layer covers the next
 # Arrows in walls, over half the width of the window: how far behind, how long, how far apart, their heads.
 _BEHIND, _LONGEST, _APART, _HEAD = 0.06, 0.4, 0.6, 0.025
@@ -104,8 +105,11 @@ class Panel(_Canvas):
         """Draw arrows in walls, as long as these are fast."""
         fastest = max((abs(wall.speed) for wall in walls), default=0.0)
         for wall in walls:
-            place = self.view.centre.copy()
-            place[wall.axis] = wall.place + wall.outward * _BEHIND * self.view.half
+            place, behind = self.view.centre.copy(), _BEHIND * self.view.half
+            room = self.view.reach[wall.axis] - wall.outward * (wall.place - place[wall.axis])
+            if 0.0 < room < 2.0 * behind:  # of the wall less than that is seen
+                behind = 0.5 * room
+            place[wall.axis] = wall.place + wall.outward * behind
             along = np.eye(2)[1 - wall.axis] * _LONGEST * self.view.half * wall.speed / fastest
             shift = np.eye(2)[1 - wall.axis] * _APART * self.view.half
             for k in (-1.0, 0.0, 1.0):

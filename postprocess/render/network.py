@@ -1,4 +1,7 @@
-"""Bodies, and lines between them: the contacts of runs that have no flow, the necks between pores."""
+"""Bodies, and lines between them: the contacts of runs that have no flow, the necks between pores.
+
+Of a periodic domain one period is shown, with all images of bodies and lines that reach into the window.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -12,11 +15,16 @@ from matplotlib.colors import ListedColormap, LogNorm, Normalize, SymLogNorm
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
+from fsi.postprocess.render.canvas import ASLANT, Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.fields import Span, one_colour
+from fsi.postprocess.render.mean_flow import sliding_walls
+from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
+from fsi.postprocess.render.scenes import images
 from fsi.postprocess.render.view import Choice, View, around_all, around_period
+from fsi.postprocess.render.walls import draw_open_walls, inside_walls
 from fsi.postprocess.run.run import Run, counted, nodes
 
 BODIES, CONTACTS, NECKS = "bodies", "contacts", "necks"
@@ -84,11 +92,17 @@ class NetworkArtist(Artist):
         for step, network in zip(steps, networks, strict=True):
             title = f"{self.lines}, width and colour by {label}" if values.size else f"no {self.lines}"
             meaning = shades if values.size else None
-            framed = Framed(draw(network, view, shades), title, view.half, label, meaning, ends)
+            framed = Framed(draw(step, network, view, shades), title, view.half, label, meaning, ends)
             yield compose(self.title(step), [framed], self.choice.theme)
 
-    def _window(self, steps: Sequence[int], networks: Sequence[ContactNetwork]) -> View:  # noqa: ARG002
-        """On all bodies at all steps."""
+    def _window(self, steps: Sequence[int], networks: Sequence[ContactNetwork]) -> View:
+        """On one period, or on all bodies at all steps."""
+        container = self.run.container(steps[0])
+        if len(container.periods):
+            if container.dimension == 2:
+                return around_period(container)
+            box = PeriodicBox.of(container).view()
+            return replace(box, half=ASLANT * box.half)
         centres = np.stack([network.q.centres for network in networks])
         return self._above_floor(around_all(centres, networks[0].q.radii))
 
@@ -114,22 +128,42 @@ class NetworkArtist(Artist):
         centres = np.asarray(bodies.points[:, : self.run.case.dimension], dtype=float)
         return Configuration.unturned(centres, np.asarray(bodies["radius"], dtype=float))
 
-    def _plane(self, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
-        """Discs, and bars between their centres, the wider the larger the value."""
+    def _widths(self, values: Array, view: View, shades: ScalarMappable) -> Array:
+        """Widths of lines, (C,), as colours grow: parts of a body, of the window where bodies are large."""
+        part = np.ma.filled(np.clip(shades.norm(values), 0.0, 1.0), 0.0)
+        share = np.asarray(part) if shades.get_clim()[0] >= 0.0 else np.abs(2.0 * np.asarray(part) - 1.0)
+        unit = min(float(np.median(self.run.case.configuration().radii)), _LARGE * view.half)
+        widths: Array = unit * (_THINNEST + (_WIDEST - _THINNEST) * share)
+        return widths
+
+    def _plane(self, step: int, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
+        """Bodies, and bars between their centres, the wider the larger the value."""
+        container, q = self.run.container(step), network.q
         panel = new_panel(view, self.choice.size, self.choice.theme)
         if (inside := inside_walls(self.run, view)).n_points:
             panel.fill(inside, self.choice.theme.page)
-        panel.bodies(network.q, turning=False, rims=True)
-        if len(network.values):
-            panel.colour(_bars(network, view, shades), shades)
+        draw_open_walls(panel, self.run)
+        if len(container.periods):
+            q, _ = images(q, container, view)
+        panel.bodies(q, turning=False, rims=True)
+        ends, values = _lines(network, container, view)
+        if len(values):
+            panel.colour(_bars(ends, values, self._widths(values, view, shades), view), shades)
+        panel.sliding(sliding_walls(self.run, step))
         return panel.image()
 
-    def _space(self, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
-        """Translucent spheres, and tubes between their centres."""
+    def _space(self, step: int, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
+        """Translucent spheres, and tubes between their centres; around them the box of a period."""
+        container, q, near = self.run.container(step), network.q, view
         space = new_spatial_panel(view, self.choice.size, self.choice.theme)
-        space.bodies(network.q, opacity=0.25)
-        if len(network.values):
-            space.tubes(network.ends, 0.5 * _widths(network, view, shades), network.values, shades)
+        if len(container.periods):
+            box, near = PeriodicBox.of(container, view.centre), replace(view, half=view.half / ASLANT)
+            q = box.bodies(q, near)
+            space.outline(view.local(box.edges), space.theme.ink)
+        space.bodies(q, opacity=0.25)
+        ends, values = _lines(network, container, near)
+        if len(values):
+            space.tubes(ends, 0.5 * self._widths(values, view, shades), values, shades)
         return space.image()
 
 
@@ -141,26 +175,24 @@ class NeckArtist(NetworkArtist):
     defaults = ("dissipation",)
 
     @override
-    def _window(self, steps: Sequence[int], networks: Sequence[ContactNetwork]) -> View:
-        """On one period, where there is one."""
-        container = self.run.container(steps[0])
-        return around_period(container) if len(container.periods) else super()._window(steps, networks)
-
-    @override
     def _bodies(self, step: int) -> Configuration:
         return self.run.configuration(step)
 
-    @override
-    def _read(self, step: int) -> ContactNetwork:
-        """With all images next to one period."""
-        one, lattice = super()._read(step), Lattice(self.run.container(step).periods)
-        if not lattice.dimension:
-            return one
-        e, home = lattice.shift(lattice.near()), lattice.wrapped(one.q.centres)
-        centres = (home + e[:, None]).reshape(-1, 2)
-        q = Configuration(centres, np.tile(one.q.angles, len(e)), np.tile(one.q.radii, len(e)))
-        ends = (one.ends + np.pad(e, ((0, 0), (0, 1)))[:, None, None]).reshape(-1, 2, 3)
-        return ContactNetwork(q, ends, np.tile(one.values, len(e)))
+
+def _lines(network: ContactNetwork, container: Container, view: View) -> tuple[Array, Array]:
+    """The ends of all images of the lines that may reach into a window, (n, 2, 3), and their values, (n,)."""
+    lattice, ends, values, d = Lattice(container.periods), network.ends, network.values, container.dimension
+    if not (lattice.dimension and len(values)):
+        return ends, values
+    x = ends[..., :d]
+    home = x - lattice.shift(lattice.nearest(x[:, 0] - view.centre))[:, None]
+    longest = float(np.linalg.norm(x[:, 1] - x[:, 0], axis=1).max())
+    e = lattice.shift(lattice.near(np.sqrt(d) * view.half + longest + lattice.longest()))
+    every = (home + e[:, None, None]).reshape(-1, 2, d) - view.centre
+    seen = np.all((every.min(axis=1) <= view.half) & (every.max(axis=1) >= -view.half), axis=1)
+    shown = np.zeros((int(seen.sum()), 2, 3))
+    shown[..., :d] = view.centre + every[seen]
+    return shown, np.tile(values, len(e))[seen]
 
 
 def _shades(values: Array, span: Span | None) -> ScalarMappable:
@@ -177,37 +209,16 @@ def _shades(values: Array, span: Span | None) -> ScalarMappable:
     return ScalarMappable(LogNorm(float(least), largest), _DARK)
 
 
-def _widths(network: ContactNetwork, view: View, shades: ScalarMappable) -> Array:
-    """Widths of lines, (C,), as colours grow: parts of a body, of the window where bodies are large."""
-    part = np.ma.filled(np.clip(shades.norm(network.values), 0.0, 1.0), 0.0)
-    share = np.asarray(part) if shades.get_clim()[0] >= 0.0 else np.abs(2.0 * np.asarray(part) - 1.0)
-    unit = min(float(np.median(network.q.radii)), _LARGE * view.half)
-    widths: Array = unit * (_THINNEST + (_WIDEST - _THINNEST) * share)
-    return widths
-
-
-def _bars(network: ContactNetwork, view: View, shades: ScalarMappable) -> pv.PolyData:
+def _bars(ends: Array, values: Array, widths: Array, view: View) -> pv.PolyData:
     """A rectangle along each contact, in the window's coordinates; small values first, below large ones."""
-    order = np.argsort(np.abs(network.values))
-    start, end = network.ends[order, 0, :2], network.ends[order, 1, :2]
+    order = np.argsort(np.abs(values))
+    start, end = ends[order, 0, :2], ends[order, 1, :2]
     along = end - start
     across = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True)
-    aside = 0.5 * _widths(network, view, shades)[order, None] * across
+    aside = 0.5 * widths[order, None] * across
     corners = np.stack([start - aside, end - aside, end + aside, start + aside], axis=1)
     points = view.local(corners).reshape(-1, 3)
     points[:, 2] = np.repeat(np.linspace(2e-3, 3e-3, len(order)), 4)  # each covers those before it
     bars = pv.PolyData(points, faces=counted(np.arange(len(points)).reshape(-1, 4)))
-    bars["value"] = np.repeat(network.values[order], 4)
+    bars["value"] = np.repeat(values[order], 4)
     return bars
-
-
-def inside_walls(run: Run, view: View) -> pv.PolyData:
-    """What a window shows of a container, in its coordinates."""
-    high = max(2, round(400 * view.aspect))
-    plane = pv.Plane(i_size=2.0, j_size=2.0 * view.aspect, i_resolution=400, j_resolution=high)
-    distances = run.wall_distances(view.centre + view.half * np.asarray(plane.points[:, :2], dtype=float))
-    if not distances.size:
-        return plane
-    plane["distance"] = distances.min(axis=1)
-    inside: pv.PolyData = plane.clip_scalar(scalars="distance", invert=False, value=0.0)
-    return inside

@@ -23,6 +23,7 @@ from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.scenes import RIBBON, Scene, gap_at, in_window, scene, window_on
 from fsi.postprocess.render.suspended import MOTION
 from fsi.postprocess.render.view import Choice, View
+from fsi.postprocess.render.walls import draw_open_walls
 from fsi.postprocess.run.run import Run
 
 _STREAMLINES = 24
@@ -96,6 +97,7 @@ class PlanarArtist(FlowArtist):
         for (field, seen, gap), span in zip(scenes, spans, strict=True):
             shades = field.shades(span)
             panel = new_panel(seen.view, self.choice.size, self.choice.theme)
+            draw_open_walls(panel, self.run)
             _draw(panel, seen, field, shades)
             panel.bodies(seen.q, turning=not seen.axisymmetric)
             if gap is None:

@@ -10,18 +10,18 @@ from matplotlib.cm import ScalarMappable
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.surface_gap import gap_between
 from fsi.errors import InputError
-from fsi.postprocess.render.canvas import INK, Picture, new_panel, new_spatial_panel
+from fsi.postprocess.render.canvas import ASLANT, INK, Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.cut import Cut, Flow, cut_cells, flow_on, plane_of_choice, through_gap
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField, exceeded, rendered_field
 from fsi.postprocess.render.mean_flow import is_sheared
 from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all
+from fsi.postprocess.render.walls import draw_open_walls
 from fsi.postprocess.run.run import Run
 
 _WIDE = 2.2  # of the window over that which just holds the bodies
 _MARGIN = 1.08  # of a window around the whole domain
-_ASLANT = 1.35  # of the window in space over that of the plane: a box is seen aslant
 _FILMS = 0.01  # of the surfaces: films, which hold the largest values, have one colour
 _DECADE = 0.1  # at least so far down: differences of some percent are those of the elements
 _CURVED = 3  # times that the cells of a sphere are divided
@@ -64,7 +64,7 @@ class SpatialArtist(FlowArtist):
             framed = []
             for field, parts, colours in zip(self.fields, drawn, shades, strict=True):
                 if field.on_bodies:
-                    half = _ASLANT * cut.half
+                    half = ASLANT * cut.half
                     image, title = self._space(parts[k][0], (step, cut, window.centre), colours), field.title
                 else:
                     half, title = cut.half, f"{where}: {field.title}"
@@ -142,7 +142,7 @@ class SpatialArtist(FlowArtist):
     def _space(self, spheres: pv.PolyData, where: tuple[int, Cut, Array], shades: ScalarMappable) -> Picture:
         """The spheres in their box, and the outline of the plane."""
         step, cut, middle = where
-        view = View(cut.centre, _ASLANT * cut.half)
+        view = View(cut.centre, ASLANT * cut.half)
         space = new_spatial_panel(view, self.choice.size, self.choice.theme)
         local = spheres.copy()
         local.points = view.local(np.asarray(spheres.points, dtype=float))
@@ -168,6 +168,7 @@ class SpatialArtist(FlowArtist):
         """The plane face on, and where it cuts the spheres."""
         panel = new_panel(View(np.zeros(2), 1.0), self.choice.size, self.choice.theme)
         (plane, lines), (step, cut, q) = flow, where
+        draw_open_walls(panel, self.run, lambda local: cut.points(*local.T))
         panel.colour(plane, shades)
         panel.lines(lines, "white", width=3, opacity=0.8, layer=0.5)
         if field.edges:

@@ -20,10 +20,10 @@ from fsi.errors import InputError
 from fsi.postprocess.render.canvas import Picture, new_panel
 from fsi.postprocess.render.fields import FromZero, Span, shaded
 from fsi.postprocess.render.mean_flow import sliding_walls, undisturbed
-from fsi.postprocess.render.network import inside_walls
 from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
 from fsi.postprocess.render.scenes import images
 from fsi.postprocess.render.view import Choice, View, around_all, around_period
+from fsi.postprocess.render.walls import draw_open_walls, inside_walls
 from fsi.postprocess.run.run import Run
 
 MOTION = "motion"
@@ -114,6 +114,7 @@ class MotionArtist(Artist):
         panel = new_panel(view, self.choice.size, self.choice.theme)
         if (inside := inside_walls(self.run, view)).n_points:
             panel.fill(inside, self.choice.theme.page)
+        draw_open_walls(panel, self.run)
         panel.coloured_bodies(q, speed, shades)
         panel.sliding(sliding_walls(self.run, step))
         sheared = undisturbed(self.run, step) is not None

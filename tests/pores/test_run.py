@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import basix
 import numpy as np
 import pytest
 import pyvista as pv
@@ -15,6 +16,7 @@ import pyvista as pv
 import fsi
 from fsi.case.load import load_case
 from fsi.errors import InputError
+from fsi.meshes.cells.lagrange import tabulate
 from fsi.models import make_evolution
 from fsi.pores.instant import FEW, PoreInstant
 from fsi.postprocess.render import canvas
@@ -94,6 +96,17 @@ def test_the_flow_is_found_at_images(sheared: Run) -> None:
     assert np.array_equal(known, np.isfinite(u[:, 0]))  # also in a large circle of fluid beside small ones
     found = table.loc[known, ["u_x", "u_y"]].to_numpy()
     assert np.abs(found - u[known]).max() < 2e-3 * np.abs(u[known]).max()
+
+
+def test_cells_run_counterclockwise_and_their_areas_add_up(sheared: Run) -> None:
+    """To that of the cell less the discs, 1e-6 of it. Half of a strip's cells were clockwise."""
+    fluid = sheared.mesh(0)
+    X, weights = basix.make_quadrature(basix.CellType.triangle, 10)
+    J = np.einsum("cnd,qnk->cqdk", np.asarray(fluid.points)[nodes(fluid), :2], tabulate(6, X)[1])
+    area = np.linalg.det(J) @ weights
+    assert area.min() > 0.0
+    exact = sheared.case.container().volume - np.pi * np.sum(sheared.configuration(0).radii ** 2)
+    assert area.sum() == pytest.approx(exact, rel=1e-6)
 
 
 def test_psi_is_that_of_the_velocity(sheared: Run) -> None:

@@ -114,7 +114,17 @@ def test_bodies_with_their_radii(run: Path) -> None:
     assert fsi_command("export", run, "--format", "csv", "-o", run / "discs.csv") == 0
     table = pd.read_csv(run / "discs.csv")
     assert list(table["radius"]) == [1.0, 1.0, 1.0]
-    pd.testing.assert_frame_equal(table.drop(columns="radius"), fsi.open_run(run).bodies)
+    assert list(table["shape"]) == ["disc", "disc", "disc"]
+    pd.testing.assert_frame_equal(table.drop(columns=["shape", "radius"]), fsi.open_run(run).bodies)
+
+
+def test_an_ellipse_is_told_from_a_disc_that_is_as_long(run: Path) -> None:
+    """Its radius is its longer half-axis."""
+    case = run / "case.toml"
+    case.write_text(case.read_text().replace("radius = 1.0", 'shape = {kind = "ellipse", axes = [1.0, 0.5]}'))
+    assert fsi_command("export", run, "--format", "csv", "-o", run / "ellipse.csv") == 0
+    table = pd.read_csv(run / "ellipse.csv")
+    assert set(zip(table["shape"], table["radius"], strict=True)) == {("ellipse", 1.0)}
 
 
 @pytest.mark.parametrize(

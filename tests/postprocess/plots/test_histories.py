@@ -11,6 +11,7 @@ import fsi
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
+from fsi.postprocess.plots.figure import plain
 from fsi.postprocess.plots.histories import plot_runs, read_history
 from fsi.postprocess.plots.panels import PANELS, of_steps, register_panel
 from tests.commands import fsi_command
@@ -184,6 +185,17 @@ def test_names_are_drawn_as_they_are(tmp_path: Path, drawn: list[Figure]) -> Non
     plot_runs([write_pair(tmp_path, 1.0)], tmp_path / "a.png")
     assert drawn[0].axes[0].get_title(loc="left") == r"\$a_1\$ and \$"
     assert [text.get_text()[-2:] for text in drawn[0].legends[0].get_texts()] == ["_a", "_b"]
+
+
+def test_runs_of_one_name_have_a_colour_each(tmp_path: Path, drawn: list[Figure]) -> None:
+    """In the legend too; the folders here are one and the same."""
+    run = write_pair(tmp_path, 1.0)
+    plot_runs([run, run], tmp_path / "a.png")
+    legend, name = drawn[0].legends[0], tmp_path.name
+    expected = [f"{name} ({n}): {body}" for n in (1, 2) for body in ("_a", "_b")]
+    assert [text.get_text() for text in legend.get_texts()] == [plain(label) for label in expected]
+    colours = [line.get_color() for line in legend.get_lines()]
+    assert colours[0] == colours[1] != colours[2] == colours[3]
 
 
 @pytest.mark.parametrize("words", [(), ("--paths",)])

@@ -9,12 +9,15 @@ from matplotlib.image import imread
 from numpy.typing import NDArray
 
 import fsi
+from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
+from fsi.meshes.geometry.lattice import Cell
 from fsi.postprocess.render import network, picture
-from fsi.postprocess.render.network import NetworkArtist
+from fsi.postprocess.render.network import ContactNetwork, NetworkArtist, _lines
 from fsi.postprocess.render.picture import Framed
 from fsi.postprocess.render.render import render_run
-from fsi.postprocess.render.view import Choice
+from fsi.postprocess.render.scenes import images
+from fsi.postprocess.render.view import Choice, around_period
 
 GLUEY = """
 name = "pile"
@@ -22,7 +25,6 @@ model = "gluey"
 [domain]
 lower = [-9.0, -9.0]
 upper = [9.0, 9.0]
-periodic = ["y"]
 [[gluey.walls]]
 name = "plane"
 point = [0.0, -1.0]
@@ -43,23 +45,68 @@ BODY, WALL = (0xF3, 0xEF, 0xE6), (0xC9, 0xC9, 0xC9)
 STRONG, SIZE = -4.0, 400
 
 
+CHANNEL = """
+name = "channel"
+model = "reduced"
+fluid.viscosity = 1.0
+reduced.law = "exact"
+reduced.cutoff = 1.5
+reduced.drag = 1.0
+[domain]
+lower = [0.0, 0.0]
+upper = [8.0, 4.0]
+periodic = ["x"]
+walls.top = [1.0, 0.0]
+[[bodies]]
+name = "a"
+radius = 1.0
+position = [1.1, 2.0]
+[[bodies]]
+name = "b"
+radius = 1.0
+position = [6.9, 2.0]
+[time]
+end = 1.0
+"""
+CELL = Cell(((6.0, 0.0), (0.0, 3.0)), ((0.0, 1.0), (0.0, 0.0)), 0.7)
+
+
+def write_step(folder: Path, case: str, x: NDArray[np.float64], mesh: meshio.Mesh) -> Path:
+    """A run with one step: bodies a and b of radius 1 at x, (2, 2), and lines."""
+    (folder / "fields").mkdir()
+    (folder / "case.toml").write_text(case)
+    at = np.column_stack([x, np.zeros(2)])
+    points = meshio.Mesh(at, [("vertex", np.arange(2)[:, None])], point_data={"radius": np.ones(2)})
+    for series, grid in (("bodies", points), ("contacts", mesh)):
+        grid.write(folder / "fields" / f"{series}_000000.vtu", file_format="vtu")
+        entry = f'<DataSet timestep="0.0" part="0" file="fields/{series}_000000.vtu"/>'
+        (folder / f"{series}.pvd").write_text(f"<VTKFile><Collection>{entry}</Collection></VTKFile>")
+    rows = [f"0,0.0,{name},{at[0]},{at[1]},0.0" for name, at in zip("ab", x.tolist(), strict=True)]
+    (folder / "bodies.csv").write_text("\n".join(["step,t,body,x,y,angle", *rows, ""]))
+    (folder / "steps.csv").write_text("step,t\n0,0.0\n")
+    return folder
+
+
 @pytest.fixture
 def pile(tmp_path: Path) -> Path:
     """Two touching discs of radius 1 on a plane; one contact is strong, one weak."""
-    (tmp_path / "fields").mkdir()
-    (tmp_path / "case.toml").write_text(GLUEY)
-    x = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    points = meshio.Mesh(x, [("vertex", np.arange(2)[:, None])], point_data={"radius": np.ones(2)})
-    ends = np.concatenate([x, [[1.0, 0.0, 0.0], [1.0, -1.0, 0.0]]])
+    x = np.array([[-1.0, 0.0], [1.0, 0.0]])
+    ends = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]])
     lines = meshio.Mesh(
-        ends, [("line", np.array([[0, 2], [1, 3]]))], cell_data={"gamma": [np.array([STRONG, -0.1])]}
+        ends, [("line", np.array([[0, 1], [2, 3]]))], cell_data={"gamma": [np.array([STRONG, -0.1])]}
     )
-    for series, mesh in (("bodies", points), ("contacts", lines)):
-        mesh.write(tmp_path / "fields" / f"{series}_000000.vtu", file_format="vtu")
-        entry = f'<DataSet timestep="0.0" part="0" file="fields/{series}_000000.vtu"/>'
-        (tmp_path / f"{series}.pvd").write_text(f"<VTKFile><Collection>{entry}</Collection></VTKFile>")
-    (tmp_path / "bodies.csv").write_text("step,t,body,x,y\n0,0.0,a,-1.0,0.0\n0,0.0,b,1.0,0.0\n")
-    return tmp_path
+    return write_step(tmp_path, GLUEY, x, lines)
+
+
+@pytest.fixture
+def channel(tmp_path: Path) -> Path:
+    """Two discs that touch across the end of a period of 8, the stored places of one two periods away."""
+    x = np.array([[17.0, 2.0], [7.0, 2.0]])
+    ends = np.array([[7.0, 2.0, 0.0], [9.0, 2.0, 0.0]])
+    values = {name: [np.array([-1.0])] for name in ("force", "gamma")}
+    return write_step(
+        tmp_path, CHANNEL, x, meshio.Mesh(ends, [("line", np.array([[0, 1]]))], cell_data=values)
+    )
 
 
 def share(picture: NDArray[np.float32], colour: tuple[int, int, int]) -> float:
@@ -82,8 +129,51 @@ def test_discs_wall_and_contacts_cover_what_they_should(pile: Path) -> None:
     assert (middle < 60.0).sum() == pytest.approx(bar / wide * SIZE, abs=4)
 
 
+@pytest.mark.usefixtures("drawing")
+def test_a_contact_across_the_period_reaches_both_bodies(channel: Path) -> None:
+    """One period, 8 wide, 1.14 times 4 high, from wall to wall: each end has half of the bar and a disc."""
+    picture = imread(render_run(fsi.open_run(channel), channel / "a.png", Choice(size=SIZE)))
+    high, unit = round(0.57 * SIZE), SIZE / 8.0
+    panel = picture[56 : 56 + high, 12 : 12 + SIZE, :3]
+    dark = panel.max(axis=2) < 60.0 / 255.0
+    row = np.flatnonzero(dark[high // 2, 3:-3]) + 3
+    assert row[row < SIZE // 2].max() == pytest.approx(unit, abs=3)  # to the centre at x = 1
+    assert row[row > SIZE // 2].min() == pytest.approx(7.0 * unit, abs=3)
+    assert len(row) == pytest.approx(2.0 * unit, abs=8)
+    bar = 0.5 * 0.15 * 4.0 * 2.0  # half of 0.15 half windows wide, 2 long
+    rims = 4.0 * np.pi * 8.0 / SIZE
+    assert share(panel, BODY) == pytest.approx((2.0 * np.pi - bar - rims) / (8.0 * 4.56), rel=0.05)
+    # The wall above moves: three arrows in its middle, 0.4 half windows long, and none in that below.
+    wall = round(0.28 * unit)
+    ink = dark[wall // 2 - 1 : wall // 2 + 2, 3:-3]
+    assert ink.any(axis=0).mean() == pytest.approx(3.0 * 0.4 / 2.0, abs=0.05)
+    assert not dark[2 : wall // 2 - 5, 3:-3].any()  # nothing of them is cut off
+    assert not dark[high - wall + 1 : high - 3, 3:-3].any()
+
+
+def test_lines_and_bodies_have_the_same_images_in_a_sheared_cell() -> None:
+    """Of a line from body to body each end in the window lies on an image of its body, and none lacks one."""
+    e = CELL.periods
+    x = np.array([[1.0, 1.0], [2.5, 1.5]])
+    stored = np.array([x[0] + 3.0 * e[0], x[1]])
+    ends = np.array([[stored[1], x[0] + e[1] - x[1] + stored[1]]])
+    view = around_period(CELL)
+    q = Configuration.unturned(stored, np.array([0.5, 0.4]))
+    one = ContactNetwork(q, np.pad(ends, ((0, 0), (0, 0), (0, 1))), np.ones(1))
+    shown, values = _lines(one, CELL, view)
+    bodies, which = images(q, CELL, view)
+    assert len(values) == len(np.unique(np.round(shown, 9), axis=0)) == len(shown)
+    for side, body in ((0, 1), (1, 0)):
+        at = {tuple(place) for place in np.round(shown[:, side, :2], 9).tolist()}
+        centres = bodies.centres[which == body]
+        inside = np.all(np.abs(centres - view.centre) < view.half, axis=1)
+        assert at >= {tuple(place) for place in np.round(centres[inside], 9).tolist()}
+
+
 def test_walls_of_a_gluey_case(pile: Path) -> None:
     """The sides of the cell across its periods' direction, and a plane."""
+    periodic = GLUEY.replace("upper = [9.0, 9.0]", 'upper = [9.0, 9.0]\nperiodic = ["y"]')
+    (pile / "case.toml").write_text(periodic)
     found = fsi.open_run(pile).wall_distances(np.array([[1.0, 0.5]]))
     np.testing.assert_allclose(found, [[10.0, 8.0, 1.5]])
 
