@@ -127,7 +127,10 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
     s, K, bars = fitted.d / a, fitted.kappa / unit, fitted.bars / unit
     if np.any(K <= 0.0) or np.any(np.diff(K) >= 0.0):
-        raise SolveError("the sampled resistances do not decrease with the gap; refine the discretisation")
+        raise SolveError(
+            "the sampled resistances do not decrease with the gap; end calibration.range before the body "
+            "comes to other surfaces, or refine the discretisation"
+        )
     common: dict[str, Any] = {"form": pair.plan.form, "shape": pair.shape, "mode": pair.plan.mode}
     common["ratio"] = None if pair.second is None or pair.shaped else pair.ratio
     common |= {"viscosity": pair.case.fluid.viscosity, "source": _source(pair, case, samples)}

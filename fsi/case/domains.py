@@ -81,7 +81,7 @@ class TubeDomain(Walled):
     @classmethod
     def _in_space(cls, shape: str, info: ValidationInfo) -> str:
         if told(info).geometry != "spatial":
-            raise ValueError('a tube lies in space; give geometry = "spatial", or "axisymmetric" and a box')
+            raise ValueError('a tube lies in space; give geometry = "spatial", or on an axis a box')
         return shape
 
     @override

@@ -6,7 +6,8 @@ the distances e and d of the exact places and velocities from those of the run o
 
     e' = d,    m d' = -(dF/dq e + dF/dU d) - phi,       e -> e + eps,  d -> d + eta  at the end of a step,
 
-with the load F(q, U) that a motion takes, and without mass d = J e + delta, J = dU/dq. They do so for each of
+with the load F(q, U) that a motion takes, and without mass d = J e + delta, J = dU/dq; in space, where places
+turned by e beyond those of the run go on to turn with omega, e' = d + omega x e. They do so for each of
 the two causes. Places are stepped by the trapezoidal rule with a predictor, velocities by implicit Euler,
 which is one solve of each cause: near places, with `Inertia` of near velocities; its difference from the
 velocities of the run is d. So errors decay where bodies approach a wall and grow where they part, and what
@@ -45,8 +46,8 @@ from fsi.bodies.gaps import nearest_gaps
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.relaxing import mean, relaxing, shrunk
 from fsi.integration.state import Instant, Model, State, Step
+from fsi.integration.strayed_angles import in_columns, places_of, turn_since, turned_along
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.rotations import turn_between
 
 # Of the smallest gap or radius, by which velocities are differenced: far above what a new mesh changes.
 SMALL = 0.02
@@ -119,7 +120,7 @@ class Strayed:
         if h == 0.0:
             self.e, self.d, self.run = np.zeros((2, *delta.shape)), _of_elements(delta), run
             self.widest, self.loads, self.lost = np.abs(self.d), np.zeros_like(self.e), 0.0
-            self.last = np.stack([self._at_first(step), _places(step.state.q)])
+            self.last = np.stack([self._at_first(step), places_of(step.state.q)])
             return
         none, carried = np.zeros_like(delta), partial(self._carried, step, model=model, container=container)
         z = least = none
@@ -127,8 +128,10 @@ class Strayed:
             change = h * (run[0] - self.run[0])
             z, least = relaxing(step.state.q.arms, change, h * carried(change, none).U)
         eps, eta = self._missed(step, run, least)
-        self.run, self.last = run, np.stack([_per_cube(step), _places(step.state.q)])
-        near = self.e + shrunk(z) * h * self.d + eps
+        turn = turn_since(self.last[1], step.state.q)
+        self.run, self.last = run, np.stack([_per_cube(step), places_of(step.state.q)])
+        e, d_before = (turned_along(distances, turn) for distances in (self.e, self.d))
+        near = e + shrunk(z) * h * d_before + eps
         pushed = self.d + eta - _of_elements(h * self._accelerated(phi))
         by_elements = carried(near[0], pushed[0])
         by_places, by_speeds = carried(near[1], none), carried(none, pushed[1])
@@ -138,7 +141,7 @@ class Strayed:
         self.lost = abs(by_elements.D) + abs(by_places.D)
         d = np.stack([of_elements, of_steps.sum(axis=0)])
         # d is that of places that have eps, which comes at the end of the step.
-        self.e = self.e + h * mean(self.d, d - z / h * eps) + eps
+        self.e = e + h * mean(d_before, d - z / h * eps) + eps
         widest = np.stack([np.abs(of_elements), np.abs(of_steps).sum(axis=0)])
         self.d, self.widest = d, np.maximum(np.abs(self.d), widest)
 
@@ -187,8 +190,7 @@ class Strayed:
         q, (usual, places) = step.state.q, self.last
         if not q.shaped:
             return error
-        turns = turn_between(places[:, q.dimension :].reshape(q.angles.shape), q.angles).reshape(len(q), -1)
-        more = 1.0 + TURN_SAFETY * (turns**2).sum(axis=1, keepdims=True)
+        more = 1.0 + TURN_SAFETY * (turn_since(places, q) ** 2).sum(axis=1, keepdims=True)
         erred: Array = np.copysign(more * np.maximum(np.abs(error), usual * step.h**3), error)
         return erred
 
@@ -221,7 +223,7 @@ class Strayed:
         With mass those of velocities and loads too, which carry on what was missed before; without, they are
         those of the flow where the run has the bodies, and `errors` has what they miss there.
         """
-        of_places = _bars(q.arms, self.e)
+        of_places = _bars(q.arms, in_columns(q, self.e))
         found = {f"err_{name}": e for name, e in zip(PLACES[q.dimension], of_places.T, strict=True)}
         if self.masses is None:
             return found
@@ -267,11 +269,6 @@ def _bars(arms: Array, distances: Array) -> Array:
 def _per_cube(step: Step) -> Array:
     """The estimated error of a step in place over h^3, (N, M)."""
     return np.zeros_like(step.state.U) if step.error is None else np.abs(step.error) / step.h**3
-
-
-def _places(q: Configuration) -> Array:
-    """Centres and angles, (N, M)."""
-    return np.column_stack([q.centres, q.angles])
 
 
 def _of_elements(values: Array) -> Array:

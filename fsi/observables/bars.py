@@ -24,7 +24,7 @@ from fsi.integration.state import Results
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.quantities import found_flux, found_gradient
 from fsi.observables.resistance import KNOWN_TO
-from fsi.observables.truncation import ROUNDING, flow_scales, relative_change
+from fsi.observables.truncation import ROUNDING, flow_scales, relative_change, rounded_dissipation
 
 STEEPEST = 2.5  # power of a gap with which forces go, where gaps shut fluid in
 LEVER = 16.0  # of 40 discs in a corner of a box, gaps from 1e-8 to 1e-6 radii, 14 at most
@@ -96,7 +96,7 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
         relative["viscosity"] = viscosity / abs(mu)
-    if not len(bodies.q) and 0.0 < lost < inf:  # nothing else tells how good the flow is
+    if not len(bodies.q) and rounded_dissipation(case, bodies.t) < lost < inf:  # nothing else tells of it
         relative["dissipation"] = dissipation / lost
     away = [each.factor * (_motion(each.results) - _motion(results)) for each in others]
     return StepErrors(errors, relative, np.sum(away, axis=0))

@@ -164,6 +164,20 @@ def flow_scales(case: Case, t: float) -> FlowScales:
     )
 
 
+def rounded_dissipation(case: Case, t: float) -> float:
+    """What rounding leaves of that of walls which carry the fluid along, and of pressures alike.
+
+    `ROUNDING^2 (mu U^2 + p^2 L^2 / mu)` with the size L of the container, times L in space and with an axis.
+    """
+    size, mu = case.container().size(), case.fluid.viscosity
+    speed = max(
+        (float(np.linalg.norm(wall.velocity)) for wall in case.wall_velocity(t).values()), default=0.0
+    )
+    pressure = max(map(abs, case.wall_pressure().values()), default=0.0)
+    power = mu * speed**2 + (pressure * size) ** 2 / mu
+    return ROUNDING**2 * power * (size if case.spheres else 1.0)
+
+
 # A result that is smaller than this part of what drives the flow may be zero by symmetry.
 LEAST = 0.01
 # Of the largest result: what the factorisation leaves at gaps of 1e-5 radii, where it is worst.

@@ -8,6 +8,7 @@ from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.section import toml_text
+from fsi.case.walls import WallCondition
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.report.console import table
@@ -21,9 +22,14 @@ def components(case: Case) -> tuple[str, ...]:
     return ("r", "z", "rotation") if case.axisymmetric else ("x", "y", "rotation")
 
 
+def _holds(wall: WallCondition) -> str:
+    """What holds at a wall: fluid sticks to one at rest, or slides along it."""
+    return "at rest" if wall.rests and not wall.slip else toml_text(wall)
+
+
 def print_case(console: Console, case: Case) -> None:
     """What a case holds: bodies with their smallest gaps, what is free or held, walls, how it is stepped."""
-    rows = [(name, "at rest" if wall.rests else toml_text(wall)) for name, wall in case.domain.walls.items()]
+    rows = [(name, _holds(wall)) for name, wall in case.domain.walls.items()]
     if case.bodies:
         console.print(_case_table(case))
         if case.configuration().shaped:

@@ -10,7 +10,9 @@ In polar coordinates around a right angle between
 
 Where fluid slides along a wall only the normal component there is given: a lid that slides past walls at rest
 does not jump. Beside a wall without friction the flow is that of twice the angle, a plane wall, and friction
-is of lower order: what slides makes no corner singular with a wall to which fluid sticks.
+is of lower order: what slides makes no corner singular with a wall to which fluid sticks and that moves as it
+does. Where the two move otherwise, with velocities that differ by U along the former, the traction (mu / b) U
+ends in the corner: u ~ r ln r there too.
 
 A force on a body between the walls is finite with both: meshes are graded towards these corners
 (`fsi.meshes.planar.grading`).
@@ -56,7 +58,21 @@ def singular(container: Container, boundary: Boundary) -> list[tuple[int, int]]:
     """The pairs of walls that meet in corners where the flow is singular."""
     is_open = [wall in boundary.pressures for wall in container.walls]
     mixed = [(one, other) for one, other in container.meetings() if is_open[one] != is_open[other]]
-    return jumps(container, boundary) + mixed
+    jumping = jumps(container, boundary)
+    slid = [pair for pair in _slid(container, boundary) if pair not in jumping]
+    return jumping + slid + mixed
+
+
+def _slid(container: Container, boundary: Boundary) -> list[tuple[int, int]]:
+    """The pairs of walls of the plane that move otherwise where they meet, while fluid slides along one."""
+    found = []
+    for (one, other), x in container.meetings().items():
+        walls = [container.walls[one], container.walls[other]]
+        u, v = (boundary.velocities.get(wall) for wall in walls)
+        slides = container.dimension == 2 and any(wall in boundary.slip_lengths for wall in walls)
+        if slides and u is not None and v is not None and np.abs(u(x) - v(x)).max() > 0.0:
+            found.append((one, other))
+    return found
 
 
 def distance(container: Container, pairs: list[tuple[int, int]], x: Array) -> Array:

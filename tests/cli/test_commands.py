@@ -66,6 +66,12 @@ def test_check_shows_bodies_gaps_and_walls() -> None:
     assert all(word in done.stdout for word in ("disc", "0.1", "bottom", "held", "[1.0, 0.0]", "at rest"))
 
 
+def test_check_shows_that_fluid_slides_along_a_wall_at_rest() -> None:
+    done = fsi("check", str(CASE), "--set", "domain.walls.top={slip_length = 0.5}")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "{slip_length = 0.5}" in done.stdout
+
+
 def test_check_and_help_load_neither_dolfinx_nor_gmsh_nor_pyvista() -> None:
     script = f"""
         import sys

@@ -204,7 +204,7 @@ def test_a_run_under_a_stress_that_grows(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        (["domain.walls.bottom={stress = 1.0}"], "so has the other wall, and nothing fixes the velocity"),
+        (["domain.walls.bottom={stress = 1.0}"], "so has the other wall, but one of them must be given"),
         (["model=reduced"], 'model = "reduced" is not moved by a stress; give a velocity'),
         (["domain.walls.top={stress = 1.0, pressure = 2.0}"], "unknown key"),
         (["domain.walls.top={stress = [1.0, 0.0]}"], "domain.walls.top.stress"),

@@ -96,7 +96,9 @@ def check_stress(case: Case) -> None:
         if stressed and (len(container.periods), len(container.walls)) != (container.dimension - 1, 2):
             raise InputError(f"{here}: a stress moves only walls of channels; give a velocity")
         if len(stressed) > 1:
-            raise InputError(f"{here}: so has the other wall, and nothing fixes the velocity; give it one")
+            raise InputError(
+                f"{here}: so has the other wall, but one of them must be given a velocity; give it one"
+            )
 
 
 def check_strayed_lattice(case: Case) -> None:

@@ -37,10 +37,10 @@ def _check_walls(case: Case) -> None:
         raise refusal(
             "domain", case.domain, "the gluey model wants periods along the axes; give such vectors"
         )
-    if np.any(periods) and periods[periods != 0.0].min() < 8.0 * largest:
+    if np.any(periods) and (shortest := periods[periods != 0.0].min()) < 8.0 * largest:
         raise InputError(
-            f"domain = {toml_text(case.domain)}: a period is below four diameters, so that bodies meet their "
-            "own images; widen it"
+            f"domain: a period of {shortest:g} is below four diameters, {8.0 * largest:g}, and a step sees "
+            "the nearest image of a body alone; widen it"
         )
 
 
