@@ -7,9 +7,9 @@ The element size on a body is
 with h_gap and h_body of `fsi.meshes.resolution`, where `gap(x)` is the distance from the surface point x to
 the nearest other surface, and on a wall
 
-    h(x) = min(h_gap(d(x)), max(h_body, growth d(x)), side / 4),
+    h(x) = min(h_gap(d(x)), h_far(x), side / 4),    h_far(x) = min_i max(h_i, growth d_i(x)),
 
-where `d(x)` is the distance to the nearest body, h_body that of its radius there; towards singular corners
+where `d_i(x)` is the distance to body i, h_i its h_body and d(x) the least distance; towards singular corners
 it is smaller (see `grading`).
 
 gmsh works with absolute lengths and rounds them; cells a thousand times as long as wide, next to gaps of
@@ -124,13 +124,11 @@ class Surfaces:
             return self.centres[bodies]
         return np.array([self.placed[i].inside for i in bodies]).reshape(-1, 2)
 
-    def nearest(self, x: Array) -> tuple[Array, Array]:
-        """Distance of points (n, 2) to the nearest body, and the radius there, (n,); infinite without any."""
-        if self.bodies == 0:
-            return np.full(len(x), np.inf), np.full(len(x), np.inf)
-        x = self.lattice.wrapped(x)
+    def nearest(self, x: Array) -> tuple[Array, Array | float]:
+        """Distance of points (n, 2) to the nearest body, and the radius that counts there, (n,) or one."""
         if not self.placed:
-            return self._nearest_disc(x)
+            return self.to_bodies(x), float(self.radii.min(initial=np.inf))
+        x = self.lattice.wrapped(x)
         distance, bend = np.full(len(x), np.inf), np.full(len(x), np.inf)
         for body, radius in zip(self.placed, self.radii.tolist(), strict=True):
             near = np.flatnonzero(np.hypot(*(x - body.centre).T) - radius < distance)
@@ -147,21 +145,22 @@ class Surfaces:
             heights = self.placed[i].at(np.array(poles)).x[:, 1]
         return np.column_stack([np.zeros(2), heights])
 
-    def _nearest_disc(self, x: Array) -> tuple[Array, Array]:
-        """Distance of points (n, 2) in the cell to the nearest disc, and its radius, (n,)."""
+    def to_bodies(self, x: Array) -> Array:
+        """Distance of each point (n, 2) to the nearest of discs, shape (n,); infinite without bodies."""
+        if self.bodies == 0:
+            return np.full(len(x), np.inf)
+        x = self.lattice.wrapped(x)
+        if self.nearby.few:
+            of_all: Array = (self.nearby.distances(x) - self.radii).min(axis=1)
+            return of_all
         k = min(len(self.radii), NEIGHBOURS)
         away, body = self.nearby.nearest(x, k)
-        off = away - self.radii[body]
-        first = np.argmin(off, axis=1)[:, None]
-        nearest: Array = np.take_along_axis(off, first, axis=1)[:, 0]
-        which = np.take_along_axis(body, first, axis=1)[:, 0]
+        nearest: Array = (away - self.radii[body]).min(axis=1)
         # A body beyond the k nearest centres can only be nearer if it is larger.
         unsure = (away[:, -1] - self.radii.max() < nearest) & (k < len(self.radii))
         for point in np.flatnonzero(unsure):
-            off = np.hypot(*(x[point] - self.centres).T) - self.radii
-            which[point] = np.argmin(off)
-            nearest[point] = off[which[point]]
-        return nearest, self.radii[which]
+            nearest[point] = (np.hypot(*(x[point] - self.centres).T) - self.radii).min()
+        return nearest
 
     def sizes(self, x: Array, gap: Array | None = None, bend: Array | float = np.inf) -> Array:
         """Element size at points (n, 2) off the bodies, in gaps of these widths or else by their distance.
@@ -171,13 +170,23 @@ class Surfaces:
         if self.bodies == 0:
             return np.full(len(x), np.inf) if gap is None else 0.1 * gap
         d, radius = self.nearest(x)
-        in_gap = self.resolution.across(d if gap is None else gap, np.minimum(self._in_gaps(radius), bend))
-        h_body = self.resolution.on_body(radius)
-        return np.minimum(in_gap, np.maximum(h_body, self.resolution.growth * d))
+        in_gap = self.resolution.across(d if gap is None else gap, np.minimum(radius, bend))
+        return np.minimum(in_gap, self._far(x, d, radius))
 
-    def _in_gaps(self, radius: Array) -> Array | float:
-        """The radius that counts in gaps, where the nearest place has this one: of discs the smallest."""
-        return radius if self.placed else float(self.radii.min())
+    def _far(self, x: Array, d: Array, radius: Array | float) -> Array:
+        """h_far at points (n, 2) whose nearest body is at d, (n,); radius: of an outline there.
+
+        Of discs that are not among the nearest centres it is no less than for the largest at d.
+        """
+        h_body, growth = self.resolution.on_body, self.resolution.growth
+        if self.placed:
+            return np.asarray(np.maximum(h_body(np.asarray(radius)), growth * d))
+        far: Array = np.maximum(h_body(self.radii.max()), growth * d)
+        if np.ptp(self.radii) == 0.0:
+            return far
+        away, disc = self.nearby.nearest(self.lattice.wrapped(x), min(len(self.radii), NEIGHBOURS))
+        a = self.radii[disc]
+        return np.asarray(np.minimum(far, np.maximum(h_body(a), growth * (away - a)).min(axis=1)))
 
     def walls(self, curves: Sequence[WallCurve]) -> list[Curve]:
         """The nodes on pieces of walls, whose tags follow the bodies'; all are placed together."""
@@ -218,7 +227,7 @@ class Surfaces:
         if self.bodies == 0:
             return np.zeros_like(x)
         d, radius = self.nearest(x)
-        half = 0.5 * self.resolution.opened(d, np.minimum(self._in_gaps(radius), bend))
+        half = 0.5 * self.resolution.opened(d, np.minimum(radius, bend))
         return -half[:, None] * self.container.normals(x)[np.arange(len(x)), wall]
 
     def _facing(self, curve: WallCurve, s: Array) -> Iterator[Array]:
