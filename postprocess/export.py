@@ -18,7 +18,8 @@ from fsi.errors import InputError
 from fsi.files import replace, require_suffix, write_whole
 from fsi.meshes.cells.lagrange import order_of, small_simplices
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.postprocess.run.run import Run, along_curves, nodes, open_run
+from fsi.postprocess.run.grids import along_curves, nodes
+from fsi.postprocess.run.run import Run, open_run
 from fsi.run_folder.paraview import Collection, Entry
 
 SERIES = ("fluid", "surface")

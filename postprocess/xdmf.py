@@ -17,7 +17,8 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import require_suffix, unfinished
 from fsi.meshes.cells.lagrange import order_of, small_simplices
-from fsi.postprocess.run.run import Indices, Run, nodes
+from fsi.postprocess.run.grids import Indices, nodes
+from fsi.postprocess.run.run import Run
 
 SUFFIX, HEAVY = ".xdmf", ".data"
 # By kind of cell in VTK: meshio's name of what is written, and the dimension of what is cut.

@@ -2,16 +2,14 @@
 
 import csv
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import LOADS, MODES, PLACES, Array
+from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_quantity
 from fsi.case.sections import (
@@ -30,10 +28,9 @@ from fsi.observables.quantities import component, computed, stress_column, time_
 from fsi.reduced.model import ReducedModel
 from fsi.run_folder.kept import BODIES, CASE, STEPS
 from fsi.runs import resume, run
+from fsi.studies.means import mean_over_time, require_enough
 
 _OF_RUN = "take fsi sweep --run"
-# Times from kink to kink that tell a square, and steps there that tell it well.
-_FEWEST, _PARTS = 3, 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,13 +58,13 @@ def at_instant(case: Case, quantities: Iterable[str]) -> Evaluation:
         require_instant(case)
         instant = ReducedModel(case)(case.configuration(), 0.0)
         return Evaluation(
-            {name: FoundValue(_finite(computed(case, instant, name), name)) for name in quantities}
+            {name: _finite(FoundValue(computed(case, instant, name)), name) for name in quantities}
         )
     solved = flow_solvers(case).solve(case)
     values = {}
     for name in quantities:
         number, error = (computed(case, of, name) for of in (solved.solution, solved.errors))
-        values[name] = FoundValue(_finite(number, name), abs(error))
+        values[name] = _finite(FoundValue(number, abs(error)), name)
     return Evaluation(values, {name: float(defect) for name, defect in solved.solution.checks.items()})
 
 
@@ -81,7 +78,7 @@ def of_motion(case: Case, folder: Path, quantities: Iterable[str]) -> Evaluation
     else:
         run(case, folder)
     return parallel.on_root(
-        lambda: Evaluation({name: _finite_one(_moved(case, folder, name), name) for name in quantities})
+        lambda: Evaluation({name: _finite(_moved(case, folder, name), name) for name in quantities})
     )
 
 
@@ -96,11 +93,12 @@ def require_quantity(case: Case, quantity: str, *, moving: bool = False) -> None
     check_quantity(case, quantity, here)
 
 
-def _finite(value: float, quantity: str) -> float:
-    """The value. Raises SolveError: it is none."""
-    if not np.isfinite(value):
-        raise SolveError(f"--quantity {quantity}: is {value:g} in this case; take another quantity or model")
-    return value
+def _finite(found: FoundValue, quantity: str) -> FoundValue:
+    """The same. Raises SolveError: it is no number."""
+    if not np.isfinite(found.value):
+        here = f"--quantity {quantity}: is {found.value:g} in this case"
+        raise SolveError(f"{here}; take another quantity or model")
+    return found
 
 
 def _column(case: Case, quantity: str) -> str | None:
@@ -110,19 +108,14 @@ def _column(case: Case, quantity: str) -> str | None:
     return {DISSIPATION: "dissipation", APPARENT_VISCOSITY: "apparent_viscosity"}.get(quantity)
 
 
-def _finite_one(found: FoundValue, quantity: str) -> FoundValue:
-    _finite(found.value, quantity)
-    return found
-
-
 def _moved(case: Case, folder: Path, quantity: str) -> FoundValue:
     if (column := _column(case, quantity)) is not None:
         table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
         if column not in (table.dtype.names or ()):
             raise InputError(f"--quantity {quantity}: runs of this model have none; take another quantity")
         if quantity == DISSIPATION:
-            _require_enough(table["t"], case.knots(), quantity)
-        return mean_over_time(table["t"], table[column], case.knots())
+            require_enough(table["t"], case.knots(), quantity)
+        return FoundValue(*mean_over_time(table["t"], table[column], case.knots()))
     if quantity.startswith(TIME_AT_GAP):
         table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
         return FoundValue(time_at(gap_of(quantity), table["t"], table["smallest_gap"]))
@@ -132,35 +125,3 @@ def _moved(case: Case, folder: Path, quantity: str) -> FoundValue:
     with (folder / BODIES).open(encoding="utf-8", newline="") as file:
         last = [row for row in csv.DictReader(file) if row["body"] == case.names[body]][-1]
     return FoundValue(float(last[names[mode]]) * (-1.0 if names is LOADS[case.dimension] else 1.0))
-
-
-def mean_over_time(t: Array, values: Array, kinks: Sequence[float] = ()) -> FoundValue:
-    """Of what has these values at times t, (K,): by monotone cubics (Fritsch & Carlson 1980), kink to kink.
-
-    Steps are as long as gaps allow, so straight lines may be far off where what drives the flow changes, and
-    splines without bound where a gap closes. The error is the difference from straight lines.
-    """
-    if len(t) == 1 or not np.isfinite(values).all():
-        return FoundValue(float(values.mean()))
-    whole = sum(
-        PchipInterpolator(t[k], values[k]).integrate(t[k][0], t[k][-1]) for k in _between(t, kinks)
-    ) / (t[-1] - t[0])
-    straight = np.trapezoid(values, t) / (t[-1] - t[0])
-    return FoundValue(float(whole), abs(float(whole - straight)))
-
-
-def _between(t: Array, kinks: Sequence[float]) -> list[slice]:
-    """The pieces of times t from kink to kink, both ends in each."""
-    ends = sorted({0, len(t) - 1, *(k for k in np.searchsorted(t, kinks).tolist() if k < len(t))})
-    return [slice(first, last + 1) for first, last in pairwise(ends)]
-
-
-def _require_enough(t: Array, kinks: Sequence[float], quantity: str) -> None:
-    """Raise SolveError where two times alone have what goes with the square of what changes between them."""
-    for piece in _between(t, kinks) if kinks else []:
-        if len(t[piece]) < _FEWEST:
-            a, b = t[piece][[0, -1]]
-            raise SolveError(
-                f"--quantity {quantity}: goes with the square of what is given, and the run has no step "
-                f"between t = {a:g} and {b:g}; give output.interval = {(b - a) / _PARTS:.3g}"
-            )

@@ -31,7 +31,8 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.lubrication.exact import plane_lubrication
-from fsi.postprocess.run.run import Run, nodes
+from fsi.postprocess.run.grids import nodes
+from fsi.postprocess.run.run import Run
 from fsi.reduced.enclosure import overlap
 from fsi.reduced.gap_laws import Films, make_laws
 

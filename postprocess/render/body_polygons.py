@@ -17,7 +17,7 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.run import Indices
+from fsi.postprocess.run.grids import Indices
 
 _FEWEST_SIDES, _MOST_SIDES = 64, 4000  # of a body
 _MANY, _FEWEST_OF_MANY = 1000, 12  # of so many discs each is some pixels wide

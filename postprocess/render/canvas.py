@@ -23,7 +23,7 @@ from fsi.postprocess.plots.figure import LIGHT, Theme
 from fsi.postprocess.render.body_polygons import body_polygons, filled, outlined
 from fsi.postprocess.render.mean_flow import MovingWall
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.run import counted
+from fsi.postprocess.run.grids import counted
 
 type Picture = NDArray[np.uint8]
 

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.cells.lagrange import order_of, reference_nodes, small_simplices, tabulate
-from fsi.postprocess.run.run import Indices, along_curves, counted, nodes
+from fsi.postprocess.run.grids import Indices, along_curves, counted, nodes
 
 _SEGMENTS = 8  # straight pieces that stand for a curved edge
 _MOST_HALVINGS = 4  # of the sides of a cell

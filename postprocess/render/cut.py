@@ -15,8 +15,9 @@ from fsi.meshes.geometry.outline import Outline
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import undisturbed
 from fsi.postprocess.render.view import View
+from fsi.postprocess.run.grids import nodes
 from fsi.postprocess.run.probe import FLUID, probe
-from fsi.postprocess.run.run import Run, nodes
+from fsi.postprocess.run.run import Run
 
 _X, _Y, _UP = np.eye(3)
 _ACROSS = {

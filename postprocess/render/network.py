@@ -25,7 +25,8 @@ from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
 from fsi.postprocess.render.scenes import images
 from fsi.postprocess.render.view import Choice, View, around_all, around_period
 from fsi.postprocess.render.walls import draw_open_walls, inside_walls
-from fsi.postprocess.run.run import Run, counted, nodes
+from fsi.postprocess.run.grids import counted, nodes
+from fsi.postprocess.run.run import Run
 
 BODIES, CONTACTS, NECKS = "bodies", "contacts", "necks"
 _FLOOR = 0.9  # of half a window, below its middle: no wall is shown above it

@@ -19,7 +19,7 @@ from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.spatial.sides import frame
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.run import nodes
+from fsi.postprocess.run.grids import nodes
 
 _MARGIN = 1.08  # of the window around the box
 _SAME_PLACE = 1e-9  # of the domain: vertices that are images

@@ -19,8 +19,9 @@ from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine, 
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import UndisturbedFlow, undisturbed
 from fsi.postprocess.render.view import View, around_bodies, around_period
+from fsi.postprocess.run.grids import nodes
 from fsi.postprocess.run.probe import mean_pressure_gradient
-from fsi.postprocess.run.run import Run, nodes
+from fsi.postprocess.run.run import Run
 
 _SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
 _OF_ORDER_4 = 15  # nodes of a cell

@@ -8,10 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pyvista as pv
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from vtkmodules.vtkCommonCore import vtkLogger
 
 from fsi.errors import InputError
 
+Indices = NDArray[np.intp]
+_SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 _REMEDY = "run the case again, or ask for another time"  # `fsi resume` does not look at field files
 
 
@@ -55,3 +59,38 @@ def _quiet_vtk() -> Iterator[None]:
     finally:
         logging.disable(logging.NOTSET)
         vtkLogger.SetStderrVerbosity(verbosity)
+
+
+def joined(parts: list[pv.UnstructuredGrid]) -> pv.UnstructuredGrid:
+    """One grid, in which nodes that parts share are one."""
+    if len(parts) == 1:
+        return parts[0]
+    grid = pv.merge(parts, merge_points=False)
+    pairs = cKDTree(grid.points).query_pairs(_SAME_NODE * grid.length, output_type="ndarray")
+    same = np.arange(grid.n_points)
+    np.minimum.at(same, pairs.max(axis=1), pairs.min(axis=1))
+    first, number = np.unique(same, return_inverse=True)
+    whole = pv.UnstructuredGrid(counted(number[nodes(grid)]), grid.celltypes, grid.points[first])
+    whole.point_data.update({name: values[first] for name, values in grid.point_data.items()})
+    whole.cell_data.update(grid.cell_data)
+    return whole
+
+
+def nodes(grid: pv.UnstructuredGrid) -> Indices:
+    """Node numbers of each cell, in a grid of Lagrange cells of one kind, shape (cells, nodes of one).
+
+    A cell of the fluid has 3 vertices (in space 4), then the inner nodes of its edges, in the plane 01, 12,
+    20, then its inner nodes; a curve has both ends, then its inner nodes along it.
+    """
+    numbers: Indices = grid.cell_connectivity.reshape(grid.n_cells, -1)
+    return numbers
+
+
+def along_curves(curves: Indices) -> Indices:
+    """The nodes of curves (cells, order + 1) from end to end."""
+    return curves[:, [0, *range(2, curves.shape[1]), 1]]
+
+
+def counted(cells: Indices) -> Indices:
+    """VTK's list of cells: each row led by its length."""
+    return np.insert(cells, 0, cells.shape[1], axis=1).ravel()

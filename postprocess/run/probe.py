@@ -24,7 +24,8 @@ from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice, positive
 from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
-from fsi.postprocess.run.run import Run, nodes
+from fsi.postprocess.run.grids import nodes
+from fsi.postprocess.run.run import Run
 
 FLUID = "fluid"
 OUTSIDE = "outside"

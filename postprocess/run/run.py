@@ -21,8 +21,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pyvista as pv
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import PLACES, Array, Configuration
 from fsi.case.case import Case
@@ -31,16 +29,14 @@ from fsi.errors import InputError
 from fsi.files import json_of
 from fsi.gluey.system import room
 from fsi.meshes.geometry.container import Container
-from fsi.postprocess.run.grids import read_grid
+from fsi.postprocess.run.grids import joined, read_grid
 from fsi.postprocess.run.tables import read_table, rows_of
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
 from fsi.run_folder.kept import CASE, PROVENANCE, STATE, require_as_begun
 from fsi.run_folder.paraview import Entry, read_collection
 
-Indices = NDArray[np.intp]
 _REMEDY = "give a run folder as `fsi run` has written it, or run the case again"
 _POINT_DATA = {"fluid": ("velocity",), "surface": ("traction",)}  # known at nodes, by series
-_SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 
 
 def open_run(path: Path | str) -> Run:
@@ -143,7 +139,7 @@ class Run:
         known = _POINT_DATA.get(series, ())
         if series == "fluid" and self.case.level.pressure:
             known = (*known, "pressure")
-        return _joined([read_grid(file, known) for file in self.files(step, series)])
+        return joined([read_grid(file, known) for file in self.files(step, series)])
 
     def files(self, step: int, series: str = "fluid") -> list[Path]:
         """The field files of a step, one of each rank."""
@@ -267,38 +263,3 @@ def _sound[T](read: Callable[[Path], T], path: Path) -> T:
         return read(path)
     except ValueError as error:
         raise InputError(f"{path}: is damaged ({error}); {_REMEDY}") from None
-
-
-def _joined(parts: list[pv.UnstructuredGrid]) -> pv.UnstructuredGrid:
-    """One grid, in which nodes that parts share are one."""
-    if len(parts) == 1:
-        return parts[0]
-    grid = pv.merge(parts, merge_points=False)
-    pairs = cKDTree(grid.points).query_pairs(_SAME_NODE * grid.length, output_type="ndarray")
-    same = np.arange(grid.n_points)
-    np.minimum.at(same, pairs.max(axis=1), pairs.min(axis=1))
-    first, number = np.unique(same, return_inverse=True)
-    joined = pv.UnstructuredGrid(counted(number[nodes(grid)]), grid.celltypes, grid.points[first])
-    joined.point_data.update({name: values[first] for name, values in grid.point_data.items()})
-    joined.cell_data.update(grid.cell_data)
-    return joined
-
-
-def nodes(grid: pv.UnstructuredGrid) -> Indices:
-    """Node numbers of each cell, in a grid of Lagrange cells of one kind, shape (cells, nodes of one).
-
-    A cell of the fluid has 3 vertices (in space 4), then the inner nodes of its edges, in the plane 01, 12,
-    20, then its inner nodes; a curve has both ends, then its inner nodes along it.
-    """
-    numbers: Indices = grid.cell_connectivity.reshape(grid.n_cells, -1)
-    return numbers
-
-
-def along_curves(curves: Indices) -> Indices:
-    """The nodes of curves (cells, order + 1) from end to end."""
-    return curves[:, [0, *range(2, curves.shape[1]), 1]]
-
-
-def counted(cells: Indices) -> Indices:
-    """VTK's list of cells: each row led by its length."""
-    return np.insert(cells, 0, cells.shape[1], axis=1).ravel()

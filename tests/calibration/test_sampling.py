@@ -256,34 +256,6 @@ def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa
     calibrate_case(case, "disc.toml", out, Sampling(tmp_path / "cache", 1, silent))  # replaces its own folder
 
 
-BOX = ("domain={lower=[-5.0,0.0], upper=[5.0,10.0]}", 'calibration.pair=["disc","bottom"]')
-
-
-@pytest.mark.parametrize(
-    ("changes", "compared"), [((), ["s^-1.5", "s^-0.5", "1"]), (BOX, ["s^-1.5", "s^-0.5"])]
-)
-def test_theory_is_that_of_the_pair_whatever_is_around_it(
-    changes: tuple[str, ...], compared: list[str]
-) -> None:
-    """In a box only what is singular is known: a constant of 5 is as right as any."""
-    pair, model = pair_of(small_case(*changes)), ExactModel()
-    samples = [model(pair, gap, held_out=held_out) for gap, held_out in planned_gaps(pair)]
-    added = [replace(one, kappa=one.kappa + 5.0 * bool(changes)) for one in samples]
-    found = fit_law(pair, added, "disc.toml")
-    assert [one.term for one in found.coefficients if one.theory is not None] == compared
-    assert all(one.inside for one in found.coefficients if one.theory is not None)
-
-
-def test_the_free_exponent_has_its_95_percent_interval(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001
-    """1.959964 standard deviations, as the coefficients above it."""
-    pair = pair_of(small_case())
-    found = fit_law(pair, take_samples(pair, Sampling(tmp_path, 1, silent)), "disc.toml")
-    assert found.fit is not None
-    width = 1.959964 * found.fit.exponent_error
-    assert f"{found.fit.exponent:.6f} ± {width:.1e}, 95 % interval" in "\n".join(lines(found))
-    assert summary(found)["exponent_interval"] == pytest.approx(width, rel=1e-6)
-
-
 def test_a_series_that_rises_is_no_law() -> None:
     """Through stairs that fall; a case would refuse the file."""
     pair, stairs = pair_of(small_case()), iter([10.0, 9.999, 9.998, 5.0, 4.999, 4.998, 1.0, 0.999])

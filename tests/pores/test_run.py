@@ -23,8 +23,9 @@ from fsi.postprocess.render import canvas
 from fsi.postprocess.render.render import render_run
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.report import write_report
+from fsi.postprocess.run.grids import nodes
 from fsi.postprocess.run.probe import probe
-from fsi.postprocess.run.run import Run, nodes, open_run
+from fsi.postprocess.run.run import Run, open_run
 from fsi.postprocess.vtk_hdf import write_vtkhdf
 from fsi.runs import resume, run
 from tests.commands import fsi_command

@@ -1,0 +1,42 @@
+"""Laws that come of samples: what they are compared with, and what is said of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from fsi.calibration.calibrate import summary
+from fsi.calibration.pair import pair_of
+from fsi.calibration.result import fit_law
+from fsi.calibration.sampling import planned_gaps
+from fsi.report.studies import lines
+from tests.calibration.test_sampling import ExactModel, small_case
+
+BOX = ("domain={lower=[-5.0,0.0], upper=[5.0,10.0]}", 'calibration.pair=["disc","bottom"]')
+
+
+@pytest.mark.parametrize(
+    ("changes", "compared"), [((), ["s^-1.5", "s^-0.5", "1"]), (BOX, ["s^-1.5", "s^-0.5"])]
+)
+def test_theory_is_that_of_the_pair_whatever_is_around_it(
+    changes: tuple[str, ...], compared: list[str]
+) -> None:
+    """In a box only what is singular is known: a constant of 5 is as right as any."""
+    pair, model = pair_of(small_case(*changes)), ExactModel()
+    samples = [model(pair, gap, held_out=held_out) for gap, held_out in planned_gaps(pair)]
+    added = [replace(one, kappa=one.kappa + 5.0 * bool(changes)) for one in samples]
+    found = fit_law(pair, added, "disc.toml")
+    assert [one.term for one in found.coefficients if one.theory is not None] == compared
+    assert all(one.inside for one in found.coefficients if one.theory is not None)
+
+
+def test_the_free_exponent_has_its_95_percent_interval() -> None:
+    """1.959964 standard deviations, as the coefficients above it."""
+    pair, model = pair_of(small_case()), ExactModel()
+    samples = [model(pair, gap, held_out=held_out) for gap, held_out in planned_gaps(pair)]
+    found = fit_law(pair, samples, "disc.toml")
+    assert found.fit is not None
+    width = 1.959964 * found.fit.exponent_error
+    assert f"{found.fit.exponent:.6f} ± {width:.1e}, 95 % interval" in "\n".join(lines(found))
+    assert summary(found)["exponent_interval"] == pytest.approx(width, rel=1e-6)
