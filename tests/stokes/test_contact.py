@@ -19,7 +19,7 @@ CASE = Path(__file__).parents[2] / "cases" / "shapes" / "sliding_sphere_settles.
 
 def resistance(gap: float) -> float:
     """F / U of the sphere at that gap, resolved."""
-    case = load_case(CASE, [f"bodies.0.position=[0.0, {1.0 + gap!r}]"])
+    case = load_case(CASE, [f"bodies.0.position=[0.0, {1.0 + gap!r}]", "time.contact_gap=2e-8"])
     return -1.0 / float(make_model(case)(case.configuration(), 0.0).U[0, 1])
 
 
