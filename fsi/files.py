@@ -1,5 +1,6 @@
 """Files that appear complete or not at all, where users may have theirs, and how those are read."""
 
+import hashlib
 import json
 import math
 import os
@@ -114,6 +115,11 @@ def json_of(path: Path, remedy: str) -> Any:
 def json_text(data: Any, indent: int | None = None) -> str:
     """Data as JSON, which has neither NaN nor infinite numbers: null for these."""
     return json.dumps(_finite(data), indent=indent)
+
+
+def digest_of(data: Any) -> str:
+    """A hash of data that JSON can hold, whatever the order of their keys."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:32]
 
 
 def _finite(data: Any) -> Any:

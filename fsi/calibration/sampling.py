@@ -22,7 +22,7 @@ from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, keep_sample, read_sample
 from fsi.case.load import parse_case
 from fsi.errors import FsiError, SolveError
-from fsi.files import json_of, replace
+from fsi.files import digest_of, json_of, replace
 from fsi.integration.errors import ErrorEstimate
 from fsi.machine.ranks import forget
 from fsi.models import flow_solvers, make_model
@@ -55,7 +55,7 @@ def key_of(pair: Pair, gap: float) -> str:
     """What names a sample: a hash of the case at the gap, of the mode, and of all code."""
     case = pair.at(gap).model_dump(mode="json", exclude={"name"})
     content = {"case": case, "pair": pair.plan.pair, "mode": pair.plan.mode, "code": _code()}
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:32]
+    return digest_of(content)
 
 
 def _code() -> str:

@@ -19,8 +19,6 @@ name (`fsi.lubrication.named_laws`): "exact", "leading", or "slides", which is v
 
 from __future__ import annotations
 
-import hashlib
-import json
 from math import inf
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -34,7 +32,7 @@ from fsi.bodies.configuration import Array
 from fsi.case.complaints import explain
 from fsi.case.section import Positive, Section, toml_data, tuples
 from fsi.errors import InputError
-from fsi.files import replace
+from fsi.files import digest_of, replace
 from fsi.lubrication.expansions import EXPONENTS, LawShape, Mode, Shape
 from fsi.lubrication.fitting import band
 from fsi.lubrication.laws import LubricationLaw, ScaledLaw
@@ -208,7 +206,7 @@ class LawFile(Section):
         """A hash of K(s), of the motion and the pair: the same at any viscosity, from any source."""
         other: dict[str, Any] = {"source": True, "viscosity": True, "series": {"covariance"}}
         law = self.model_dump(mode="json", exclude_none=True, exclude=other)
-        return hashlib.sha256(json.dumps(law, sort_keys=True).encode()).hexdigest()[:32]
+        return digest_of(law)
 
     def error(self, d: Array, radius: float) -> Array | None:
         """Half width of the 95 % interval of kappa(d), shape of d; None for laws that state no error."""

@@ -31,8 +31,8 @@ from fsi.meshes.geometry.placed import Placed
 Array = NDArray[np.float64]
 
 HERE = 1e-9  # in sizes of a container: places that near are one
-# From this ratio of radii on sizes in the fluid are those of the nearest body: where they were those of the
-# largest, sparse meshes had velocities of discs thirty times smaller wrong by 1e-3.
+# From this ratio of radii on sizes in the fluid grow from the nearest edge: where they grew from that of the
+# largest body, sparse meshes had velocities of discs thirty times smaller wrong by 1e-3.
 UNLIKE = 2.0
 _LARGEST_IN_BOX = 0.25  # largest element in space, over the size of a container with plane walls
 

@@ -164,7 +164,7 @@ def test_what_turns_out_of_a_plane_has_the_order_of_the_registry(scheme: Scheme,
     assert errors[1] < 1e-5
 
 
-def spinning(q: Configuration, t: float) -> Array:  # noqa: ARG001
+def spinning(_: Configuration, t: float) -> Array:
     """omega = (t / 2, 1, 0), linear in time, out of a plane."""
     return np.array([[0.0, 0.0, 0.0, 0.5 * t, 1.0, 0.0]])
 

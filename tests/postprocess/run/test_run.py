@@ -49,7 +49,7 @@ def test_a_run_without_bodies_says_so(tmp_path: Path) -> None:
     done = fsi.run(case, tmp_path / "run")
     assert done.finished
     with pytest.raises(InputError, match=r"the run has no bodies, and so no bodies\.csv$"):
-        done.bodies  # noqa: B018
+        done.table("bodies")
 
 
 def test_a_step_without_fields(run: Path) -> None:
