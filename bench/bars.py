@@ -31,7 +31,7 @@ from rich.table import Table
 from bench.finer import reference
 from bench.random_cases import SHAPED, random_case
 from bench.random_walls import KINDS
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.sections import HIGHEST_DEGREE
 from fsi.errors import InputError, SolveError

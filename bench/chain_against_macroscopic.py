@@ -14,9 +14,10 @@ import sys
 import numpy as np
 from rich.table import Table
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room
+from fsi.gluey.film import SphereFilm
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.macroscopic.model import Parcels, blocks
@@ -37,7 +38,7 @@ def gluey_chain(parcels: Parcels) -> tuple[System, GlueyState]:
     n = len(parcels.X)
     room = Room(np.empty((0, 1)), np.empty((0, 1)), Unbounded(dimension=1))
     mass, radii = np.full((n, 1), parcels.dm), np.full(n, 0.5 * parcels.dm)
-    system = System(radii, mass, room, lambda _t0, _t1: np.zeros((n, 1)), ContactLaw())
+    system = System(radii, mass, room, lambda _t0, _t1: np.zeros((n, 1)), ContactLaw(), SphereFilm)
     return system, GlueyState.at(parcels.X[:, None], parcels.u[:, None])
 
 

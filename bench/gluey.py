@@ -19,10 +19,11 @@ from rich.table import Table
 sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/gluey.py
 
 from bench.scaling import JSON_HELP, Scaling
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.gluey import ContactLaw
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Room
+from fsi.gluey.film import DiscFilm
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.meshes.geometry.unbounded import Unbounded
@@ -50,7 +51,7 @@ def crowd(n: int, how: str) -> tuple[System, GlueyState]:
     U = np.zeros((len(q), 3))
     agitation = random.normal(size=(len(q), 2))
     U[:, :2] = agitation if how == "agitated" else -0.3 * q + 0.1 * agitation
-    return System(radii, mass, room, impulse, ContactLaw()), GlueyState.at(q, U)
+    return System(radii, mass, room, impulse, ContactLaw(), DiscFilm), GlueyState.at(q, U)
 
 
 def main() -> None:

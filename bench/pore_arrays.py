@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.lattice import Cell

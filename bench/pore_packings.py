@@ -11,7 +11,8 @@ import numpy as np
 
 from fsi.arrangements.arrangement import Wanted
 from fsi.arrangements.kinds import arrange
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.bodies.gaps import find_gaps
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import Container, FluidDomain

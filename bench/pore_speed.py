@@ -24,7 +24,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs be
 
 from bench.against import ROOT, Checkout
 from bench.step import forget_peak, peak_memory
-from fsi.bodies.configuration import Array, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Motion
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import DISC, WALL, BoundingSurfaces
 from fsi.pores.system import PoreSystem

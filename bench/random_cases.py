@@ -15,7 +15,8 @@ from bench.random_ellipsoids import ellipsoids, one_in_space, several_in_space
 from bench.random_revolved import bodies_on_axis, filling_bodies, sliding_bodies
 from bench.random_shapes import bodies_of_the_plane
 from bench.random_walls import KINDS, Data, Random, Walls
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.load import parse_case

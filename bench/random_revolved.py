@@ -7,20 +7,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from bench.random_shapes import NARROWEST, SLIDES, TRIES, WIDEST, scaled, sound_shape
+from bench.placing import CLOSE, SLANTED, TRIES, one_after_the_other, put_close, solid
+from bench.random_shapes import NARROWEST, narrowest_gap, scaled, sound_shape
 from bench.random_walls import Data, Random, Walls
 from fsi.bodies.configuration import Configuration
-from fsi.bodies.gaps import find_gaps
 from fsi.errors import InputError
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.revolved import BodyOfRevolution
-from fsi.meshes.geometry.wall_feet import wall_feet
 
-# How often a body is a sphere, is put close to what is there, has a surface along which fluid slides.
-SPHERES, CLOSE, SLIDING = 0.25, 0.75, 0.7
+SPHERES, SLIDING = 0.25, 0.7  # how often a body is a sphere, has a surface along which fluid slides
 REACH = 4.0  # how far from a plane a body is put, and half of how far in other containers
 LOOSEST = 0.1  # the widest gap to a tube that is nearly filled
-SLANTED = 0.1  # component along the axis of a normal, below which no motion along it closes the gap
 DRAWN = 2000  # points, among which is the one farthest from the axis but for 1e-6 of the radius
 
 
@@ -47,26 +45,16 @@ def sliding_bodies(rng: Random, walls: Walls) -> list[Data]:
 
 
 def _bodies(rng: Random, walls: Walls, *, tight: bool) -> list[Data]:
-    """One or more, the first one no sphere, one after the other where there is room for it."""
-    q, bodies = Configuration.unturned(np.empty((0, 2)), np.empty(0)), list[Data]()
-    wanted = int(rng.integers(1, walls.most + 1))
-    for _ in range(TRIES):
-        table: Data = {"radius": 1.0} if bodies and rng.random() < SPHERES else _random_body(rng)
-        table = _scaled(table, _factor(rng, walls, table, tight=tight and not bodies))
-        body = _placed(rng, walls, q, table)
-        more = Configuration(
-            np.vstack([q.centres, body.centre]),
-            np.append(q.angles, body.angle),
-            np.append(q.radii, body.outline.radius),
-            (*q.outlines, body.outline),
-        )
-        if find_gaps(more, walls.container).smallest() >= 0.9 * NARROWEST * more.radii.min():
-            q, bodies = more, [*bodies, table | {"position": body.centre.tolist()}]
-        if len(q) == wanted:
-            break
-    if len(q) == 0:
-        raise ValueError("no room for a body in these walls")
-    return bodies
+    """One or more, the first one no sphere."""
+
+    def draw(q: Configuration) -> tuple[Placed, Data]:
+        first = len(q) == 0
+        table: Data = {"radius": 1.0} if not first and rng.random() < SPHERES else _random_body(rng)
+        table = _scaled(table, _factor(rng, walls, table, tight=tight and first))
+        body = _placed(rng, walls.container, q, table)
+        return body, table | {"position": body.centre.tolist()}
+
+    return one_after_the_other(rng, walls, draw, narrowest_gap)
 
 
 def _form(table: Data) -> BodyOfRevolution:
@@ -96,26 +84,17 @@ def _at(form: BodyOfRevolution, table: Data, z: float) -> Placed:
     return Placed(form, np.array([0.0, z]), table.get("angle", 0.0))
 
 
-def _placed(rng: Random, walls: Walls, q: Configuration, table: Data) -> Placed:
+def _placed(rng: Random, container: Container, q: Configuration, table: Data) -> Placed:
     """Where another body may go, perhaps too close to something: anywhere, or at a gap to a body or wall."""
-    container, form = walls.container, _form(table)
+    form = _form(table)
     low, high = container.axis()
     high = min(high, low + REACH) if container.far_walls else min(high, low + 2.0 * REACH)
     body = _at(form, table, float(rng.uniform(low, high)))
     across = np.abs(container.normals(np.array([[0.0, high]]))[0, :, 1]) > SLANTED
-    near = [k for k, wall in enumerate(container.walls) if across[k] and wall not in container.far_walls]
+    near = [k for k in solid(container) if across[k]]
     if len(near) + len(q) == 0 or rng.random() > CLOSE:
         return body
-    k, gap = (
-        int(rng.integers(len(near) + len(q))),
-        form.radius * NARROWEST * (WIDEST / NARROWEST) ** rng.random(),
-    )
-    for _ in range(SLIDES):
-        foot = wall_feet(body, container)[near[k]] if k < len(near) else body.gap_to(q.placed[k - len(near)])
-        if abs(foot.gap - gap) < 1e-3 * gap or abs(foot.normal[1]) < SLANTED:
-            break
-        body = _at(form, table, float(body.centre[1]) + (gap - foot.gap) / float(foot.normal[1]))
-    return body
+    return put_close(rng, q, body, container, near, NARROWEST, form.radius)
 
 
 def _random_body(rng: Random) -> Data:

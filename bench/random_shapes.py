@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
+from bench.placing import TRIES, one_after_the_other, put_close, solid, somewhere
 from bench.random_walls import Data, Random, Walls
-from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.configuration import Configuration
 from fsi.case.section import tuples
 from fsi.case.shapes.shape import BodyShape
 from fsi.errors import InputError
-from fsi.meshes.geometry.feet import Foot
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
-from fsi.meshes.geometry.wall_feet import wall_feet
 
-# Gaps over the radius of the smallest circle that holds the body, equal in the logarithm.
-NARROWEST, WIDEST = 1e-4, 1.0
-TRIES, SLIDES = 60, 30
+NARROWEST = 1e-4  # of gaps over the radius of the smallest circle that holds the body
+WIDE = 12.0  # of the places in containers that are larger
 LENGTHS = ("axes", "length", "radius", "rounding", "corners", "points")  # keys whose numbers are lengths
 
 
@@ -78,58 +75,26 @@ def _table(kind: str, rng: Random) -> Data:
 
 def bodies_of_the_plane(rng: Random, walls: Walls) -> list[Data]:
     """Where one or more bodies stand and what they look like: parts of [[bodies]]."""
-    q, shapes = _standing(rng, walls)
-    return [
-        {"position": x, "shape": shape.model_dump(), "angle": angle}
-        for x, angle, shape in zip(q.centres.tolist(), q.angles.tolist(), shapes, strict=True)
-    ]
 
-
-def _standing(rng: Random, walls: Walls) -> tuple[Configuration, list[BodyShape]]:
-    """Bodies one after the other where there is room for it, often close to what is there."""
-    q, shapes = Configuration.unturned(np.empty((0, 2)), np.empty(0)), list[BodyShape]()
-    wanted = int(rng.integers(1, walls.most + 1))
-    for _ in range(TRIES):
+    def draw(q: Configuration) -> tuple[Placed, Data]:
         shape = random_shape(rng)
-        body = _placed(rng, walls, q, shape)
-        more = Configuration(
-            np.vstack([q.centres, body.centre]),
-            np.append(q.angles, body.angle),
-            np.append(q.radii, body.outline.radius),
-            (*q.outlines, body.outline),
-        )
-        if find_gaps(more, walls.container).smallest() >= 0.9 * NARROWEST * more.radii.min():
-            q, shapes = more, [*shapes, shape]
-        if len(q) == wanted:
-            break
-    if len(q) == 0:
-        raise ValueError("no room for a body in these walls")
-    return q, shapes
+        body = _placed(rng, walls.container, q, shape.outline)
+        table = {"position": body.centre.tolist(), "shape": shape.model_dump(), "angle": body.angle}
+        return body, table
+
+    return one_after_the_other(rng, walls, draw, narrowest_gap)
 
 
-def _placed(rng: Random, walls: Walls, q: Configuration, shape: BodyShape) -> Placed:
-    """Where another body may go, perhaps too close to something: slid to a gap to a body or wall."""
-    container, outline = walls.container, shape.outline
-    span = min(container.size(), 12.0)
-    middle = np.asarray(container.middle) if container.size() == span else np.zeros(2)
-    centre = middle + rng.uniform(-0.5, 0.5, 2) * span
-    if len(container.far_walls):
-        centre[-1] = outline.radius + rng.uniform(0.0, 3.0)
+def narrowest_gap(q: Configuration) -> float:
+    """The narrowest that is left between bodies in the plane or on an axis."""
+    return float(0.9 * NARROWEST * q.radii.min())
+
+
+def _placed(rng: Random, container: Container, q: Configuration, outline: Outline) -> Placed:
+    """Where another body may go, perhaps too close: at a gap to a body or wall if there is one."""
+    centre = somewhere(rng, container, outline.radius, WIDE)
     body = Placed(outline, centre, float(rng.uniform(0.0, 2.0 * np.pi)))
-    near = [k for k, wall in enumerate(container.walls) if wall not in container.far_walls]
-    choices = len(near) + len(q)
-    if choices == 0:
+    near = solid(container)
+    if len(near) + len(q) == 0:
         return body
-    k, gap = int(rng.integers(choices)), outline.radius * NARROWEST * (WIDEST / NARROWEST) ** rng.random()
-    for _ in range(SLIDES):
-        foot = wall_feet(body, container)[near[k]] if k < len(near) else body.gap_to(q.placed[k - len(near)])
-        if abs(foot.gap - gap) < 1e-3 * gap:
-            break
-        body = replace(body, centre=_slid(body, foot, gap))
-    return body
-
-
-def _slid(body: Placed, foot: Foot, gap: float) -> Array:
-    """The centre of a body moved along the normal where it is nearest, until the gap is this one."""
-    centre: Array = body.centre + (gap - foot.gap) * foot.normal
-    return centre
+    return put_close(rng, q, body, container, near, NARROWEST, outline.radius)

@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs be
 from bench.scaling import JSON_HELP, Scaling
 from fsi.arrangements.arrangement import Wanted
 from fsi.arrangements.packing import random_arrangement
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.models import make_model, make_stepper

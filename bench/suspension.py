@@ -26,7 +26,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs be
 import fsi.parallel as parallel
 from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box

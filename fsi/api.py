@@ -16,12 +16,12 @@ from dataclasses import dataclass
 from functools import partial
 from numbers import Integral
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.result import CalibrationResult
 from fsi.calibration.sampling import Sampling
@@ -34,8 +34,7 @@ from fsi.files import require_folder
 from fsi.integration.errors import ErrorEstimate
 from fsi.integration.evolution import Evolution
 from fsi.integration.state import Instant, StepRecord
-from fsi.models import flow_solvers, make_evolution, make_model
-from fsi.observables.quantities import found_flux, found_gradient
+from fsi.models import FlowInstant, flow_solvers, make_evolution, make_model
 from fsi.observables.resistance import Resistance
 from fsi.parallel import on_root, require_same, together_in_turn
 from fsi.postprocess.run.probe import given_points
@@ -117,13 +116,12 @@ class Solution:
     @property
     def apparent_viscosity(self) -> float | None:
         """Over the viscosity of the fluid; None but for a periodic flow with a mean strain rate."""
-        mu: float | None = getattr(self.instant, "apparent_viscosity", None)
-        return mu
+        return self.instant.apparent_viscosity
 
     @property
     def dp_dx(self) -> float | None:
         """The mean pressure gradient along a channel whose net flux is given, else None."""
-        return found_gradient(self.instant)
+        return self.instant.dp_dx
 
     @property
     def flux(self) -> float | None:
@@ -131,7 +129,7 @@ class Solution:
 
         Of fluid and bodies through a section across x; in the plane per unit length.
         """
-        return found_flux(self.instant)
+        return self.instant.flux
 
     @together_in_turn()
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
@@ -141,16 +139,14 @@ class Solution:
         """
         flow = self._flow("flow to evaluate")
         x = self._points(points)
-        values: tuple[Array, Array] = flow.evaluate(x) if len(x) else (x, x[:, 0])
-        return values
+        return flow.evaluate(x) if len(x) else (x, x[:, 0])
 
     @together_in_turn()
     def velocity(self, points: ArrayLike) -> Array:
         """Velocity (n, d) at points (n, d), as `evaluate`; NaN outside the fluid. Raises InputError."""
         flow = self._flow("flow to evaluate")
         x = self._points(points)
-        u: Array = flow.velocity(x) if len(x) else x
-        return u
+        return flow.velocity(x) if len(x) else x
 
     @together_in_turn()
     def resistance(self) -> Resistance:
@@ -173,10 +169,10 @@ class Solution:
         require_same("points", x.tobytes)
         return x
 
-    def _flow(self, what: str) -> Any:
+    def _flow(self, what: str) -> FlowInstant:
         if not self.case.level.flow:
             raise InputError(f'model = "{self.case.model}": has no {what}; solve the resolved case')
-        return self.instant
+        return cast(FlowInstant, self.instant)
 
     def __repr__(self) -> str:
         """What it is, in one line, and a line for each of the first bodies."""

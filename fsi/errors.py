@@ -1,6 +1,6 @@
 """What can go wrong, and the exit code that each kind of it gives the command line."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 
 class FsiError(Exception):
@@ -29,6 +29,19 @@ class ValidationError(FsiError):
     """A computed value lies outside the tolerance of its reference."""
 
     exit_code = 4
+
+
+def refuse_taken(name: str, there: Any, new: Any) -> None:
+    """Raise ValueError where a name in a registry is that of something else; what is loaded anew may have it.
+
+    there, new: classes or functions, which module and qualified name tell apart.
+    """
+    if (place := _place(there)) != _place(new):
+        raise ValueError(f'"{name}": is the name of {place} already; choose another one for {_place(new)}')
+
+
+def _place(entry: Any) -> str:
+    return f"{entry.__module__}.{entry.__qualname__}"
 
 
 def apart(value: float, bound: float) -> str:

@@ -1,11 +1,13 @@
 """Files that appear complete or not at all, where users may have theirs, and how those are read."""
 
+import csv
 import hashlib
+import io
 import json
 import math
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -115,6 +117,19 @@ def json_of(path: Path, remedy: str) -> Any:
 def json_text(data: Any, indent: int | None = None) -> str:
     """Data as JSON, which has neither NaN nor infinite numbers: null for these."""
     return json.dumps(_finite(data), indent=indent)
+
+
+def csv_text(rows: Iterable[Sequence[object]]) -> str:
+    """Rows as CSV, the first of them a header; numbers have all their digits."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
+
+
+def csv_of(records: Sequence[Mapping[str, object]]) -> str:
+    """Records of the same keys as CSV, with the keys as its header."""
+    keys = list(records[0])
+    return csv_text([keys, *([record[key] for key in keys] for record in records)])
 
 
 def digest_of(data: Any) -> str:

@@ -5,15 +5,17 @@ Modules are imported where they are needed: only the resolved model wants DOLFIN
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
 import numpy as np
 
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.checks.determined import check_strayed_lattice
 from fsi.case.checks.own_mesh import check_own_mesh
 from fsi.errors import InputError
+from fsi.integration.state import Instant
 
 if TYPE_CHECKING:
     from fsi.integration.errors import ErrorEstimate
@@ -36,6 +38,28 @@ def make_model(case: Case) -> Model:
     return INSTANTS[case.model](case)
 
 
+class FlowInstant(Instant, Protocol):
+    """An instant of a level with a flow."""
+
+    @property
+    def checks(self) -> Mapping[str, float]:
+        """The relative defects of its identities."""
+
+    @property
+    def dofs(self) -> int:
+        """Unknowns."""
+
+    @property
+    def mesh_instead(self) -> str:
+        """The size that was taken as those of the case gave no valid mesh, "" where they did."""
+
+    def velocity(self, x: Array) -> Array:
+        """u (n, d) at points x (n, d), the same on all ranks; NaN outside the fluid; collective."""
+
+    def evaluate(self, x: Array) -> tuple[Array, Array]:
+        """The same u, and p (n,). Raises InputError: there is no p."""
+
+
 class SolvedInstant(Protocol):
     """A case solved at time 0."""
 
@@ -44,8 +68,8 @@ class SolvedInstant(Protocol):
         """What was solved: with a tolerance, refined to it."""
 
     @property
-    def solution(self) -> Any:
-        """The flow: `Measured`, and what its level knows besides."""
+    def solution(self) -> FlowInstant:
+        """The flow."""
 
     @property
     def errors(self) -> ErrorEstimate:
@@ -103,38 +127,41 @@ def stepped(case: Case, model: Model) -> SteppedEvolution:
     from fsi.integration.strayed import Strayed
 
     estimated = case.output.error_estimates or case.tolerance is not None
-    q, first = case.configuration(), case.timing.first_step
+    q, stepper = case.configuration(), make_stepper(case, model)
     strayed = Strayed(case.masses(), case.motion_at) if case.output.error_estimates else None
-    return SteppedEvolution(make_stepper(case, model), case.names, q, first, estimated, strayed)
+    return SteppedEvolution(stepper, case.names, q, estimated, strayed)
 
 
 def make_stepper(case: Case, model: Model) -> Advance:
     """The stepper that a case asks for by `time.scheme`, or by whether any body has a mass."""
     from fsi.integration.schemes import Beginning
     from fsi.integration.state import Schedule
-    from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
+    from fsi.integration.stepper import Refinable, RefiningStepper, Stepper
 
-    time, masses = case.timing, case.masses()
-    kind = case.scheme
-    U = case.initial_velocity()
-    scheme = kind.make(Beginning(np.zeros_like(U) if masses is None else masses, U, time.smallest_step))
+    time, masses, U = case.timing, case.masses(), case.initial_velocity()
     schedule = Schedule(time.end, case.knots(), case.output.interval)
-    if kind.fixed:
-        assert time.step is not None  # checked with the case
-        return FixedStepper(model, scheme, case.container(), schedule, time.step)
+    make = case.scheme.make
+    if make is None:
+        from fsi.reduced.distance_model import DistanceModel
+        from fsi.reduced.distance_stepper import DistanceStepper
+
+        assert time.step is not None  # checked with the case, as the level
+        return DistanceStepper(cast(DistanceModel, model), case.container(), schedule, time.step)
     stepper = Stepper(
         model=model,
-        scheme=scheme,
+        scheme=make(Beginning(np.zeros_like(U) if masses is None else masses, U, time.smallest_step)),
         container=case.container(),
         names=case.names,
         schedule=schedule,
         tolerance=time.tolerance,
         gap_loss=time.gap_loss,
         smallest_step=time.smallest_step,
+        first_step=time.first_step,
     )
-    if case.tolerance is not None and isinstance(model, Refinable):
-        return RefiningStepper(stepper, model, case.tolerance)
-    return stepper
+    if case.tolerance is None:
+        return stepper
+    assert isinstance(model, Refinable)  # as those of all levels with a tolerance
+    return RefiningStepper(stepper, model, case.tolerance)
 
 
 def _resolved(case: Case) -> Model:

@@ -8,7 +8,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work, require_room

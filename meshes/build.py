@@ -19,9 +19,10 @@ from dolfinx import fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve, require_valid
 from fsi.meshes.errors import MeshError, TouchingError
-from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.matching import PeriodicPairs, matching_points
 from fsi.meshes.helping import help_root, helped
@@ -29,7 +30,7 @@ from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.far_size import FarSize
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.sizing import Curve
-from fsi.meshes.planar.triangulate import Indices, StraightCells, places_of, side_keys, triangulate
+from fsi.meshes.planar.triangulate import StraightCells, places_of, side_keys, triangulate
 from fsi.meshes.resolution import Resolution
 
 # dolfinx's generic types at double precision.

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, Container
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.resolution import SHORTEST, Resolution
 
 _PLACES = 96  # of an integral along a gap or away from a surface

@@ -16,7 +16,7 @@ from typing import Literal
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array
+from fsi.arrays import Array
 
 LENGTH, SHORTEST = 0.11, 0.3
 FINEST = 0.04  # element size along the narrowest gaps, over sqrt(a d)

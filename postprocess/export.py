@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pyvista as pv
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.files import replace, require_suffix, write_whole
 from fsi.meshes.cells.lagrange import order_of, small_simplices

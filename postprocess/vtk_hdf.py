@@ -85,18 +85,17 @@ class _Steps(VTKPythonAlgorithmBase):
             mesh.cell_data[name] = np.full(mesh.n_cells, np.nan)
 
 
-def write_vtkhdf(run: Run, output: Path, series: str | None = None) -> int:
-    """Write a series of a run, by default the one of its pictures, into a .vtkhdf file; gives the steps.
+def write_vtkhdf(run: Run, output: Path) -> int:
+    """Write the series of the pictures of a run into a .vtkhdf file; gives the steps.
 
     Raises InputError: the run has no such series, a file of it is damaged, or the file cannot be written.
     """
     from vtkmodules.vtkIOHDF import vtkHDFWriter
 
     require_suffix(output, SUFFIX)
-    series = series or run.series
-    run.step(None, series)
+    run.step(None, run.series)
     temporary = unfinished(output)
-    steps, writer = _Steps(run, series), vtkHDFWriter()
+    steps, writer = _Steps(run, run.series), vtkHDFWriter()
     writer.SetFileName(str(temporary))
     writer.SetWriteAllTimeSteps(True)
     writer.SetInputConnection(steps.GetOutputPort())
@@ -114,7 +113,7 @@ def write_vtkhdf(run: Run, output: Path, series: str | None = None) -> int:
         raise InputError(f"output = {output}: {error.strerror or error}; choose another path") from None
     finally:
         temporary.unlink(missing_ok=True)
-    return len(run.times_of(series))
+    return len(run.times_of(run.series))
 
 
 def _require_room(path: Path) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pyvista as pv
 from meshio.xdmf import TimeSeriesWriter
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.files import require_suffix, unfinished
 from fsi.meshes.cells.lagrange import order_of, small_simplices

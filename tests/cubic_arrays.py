@@ -13,9 +13,8 @@ from itertools import permutations, product
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-type Array = NDArray[np.float64]
+from fsi.arrays import Array
 
 LATTICES: dict[str, Array] = {
     "simple cubic": np.eye(3),

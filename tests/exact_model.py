@@ -6,12 +6,13 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.integration.errors import ErrorEstimate, StepErrors
@@ -23,11 +24,19 @@ from fsi.runs import MakeEvolution
 
 @dataclass(frozen=True)
 class ExactInstant:
-    """U, F of shape (N, 3); its files hold the bytes of U."""
+    """U, F of shape (N, 3), and nothing of a flow; its files hold the bytes of U."""
 
     U: Array
     F: Array
     record: Mapping[str, float] = field(default_factory=dict)
+    body_columns: ClassVar[Mapping[str, Array]] = {}
+    dissipation: ClassVar[float] = math.nan
+    apparent_viscosity: ClassVar[None] = None
+    bulk: ClassVar[None] = None
+    wall_speeds: ClassVar[Mapping[str, float]] = {}
+    shear_rate: ClassVar[None] = None
+    dp_dx: ClassVar[None] = None
+    flux: ClassVar[None] = None
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         fluid = [f"fluid_{step:06d}_{part}.vtu" for part in range(2)]

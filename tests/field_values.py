@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.load import load_case
 from fsi.runs import run
 from fsi.stokes import fields

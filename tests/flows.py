@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, BoundingSurfaces
 from fsi.pores.topology import Pores
-
-Array = NDArray[np.float64]
 
 
 def between(centres: Array, radii: Array, points: Array, normals: Array, periods: Array) -> BoundingSurfaces:

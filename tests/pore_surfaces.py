@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Motion
 from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, BoundingSurfaces
 from fsi.pores.system import PoreSystem

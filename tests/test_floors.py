@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from importlinter import cli
 
+from tests.scripts import script
+
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("fsi", "meshes", "postprocess")
 SOLVER = ("fsi.stokes", "fsi.meshes")
@@ -86,7 +88,7 @@ def test_what_is_not_resolved_runs_without_the_heavy_packages() -> None:
     of_resolved = ("validation.resolved", "validation.parts")
     light = [name for name in light if not name.endswith(("__init__", "__main__", *of_resolved))]
     code = ABSENT.replace("{modules}", repr(light))
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    done = script(code)
     assert done.returncode == 0, done.stderr
     assert "disc" in done.stdout
 
@@ -94,11 +96,6 @@ def test_what_is_not_resolved_runs_without_the_heavy_packages() -> None:
 @pytest.mark.parametrize("module", ["fsi.stokes.solve", "fsi.meshes.build"])
 def test_hiding_really_hides(module: str) -> None:
     """The resolved model cannot be imported that way, or the test above would prove nothing."""
-    done = subprocess.run(
-        [sys.executable, "-c", ABSENT.replace("{modules}", repr([module]))],
-        cwd=ROOT,
-        capture_output=True,
-        check=False,
-    )
+    done = script(ABSENT.replace("{modules}", repr([module])))
     assert done.returncode != 0
-    assert b"ModuleNotFoundError" in done.stderr
+    assert "ModuleNotFoundError" in done.stderr

@@ -15,7 +15,8 @@ from scipy.linalg import expm
 from scipy.spatial import cKDTree
 
 from fsi.api import solve
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.meshes.errors import MeshFileError

@@ -13,7 +13,7 @@ import pytest
 import fsi
 from fsi.arrangements.arrangement import Wanted
 from fsi.arrangements.kinds import arrange
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.gluey.limit_study import study
 from tests import units
 from tests.units import ONE, SYSTEMS, System

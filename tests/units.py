@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from fsi import open_run
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.calibration.calibrate import LAW, calibrate_case
 from fsi.calibration.sampling import Sampling
 from fsi.case.load import load_case, parse_case

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.postprocess.plots.figure import BLUE, GREY, ORANGE, saved_figure
 
 CENTRELINE = 0.8879986433855984  # cases/validation/disc_in_poiseuille.toml

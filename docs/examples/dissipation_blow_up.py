@@ -20,7 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.geometry.lattice import Cell
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import surfaces_of

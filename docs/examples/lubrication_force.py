@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.load import load_case
 from fsi.lubrication.exact import normal_resistance, plane_lubrication
 from fsi.postprocess.plots.figure import BLUE, GREY, saved_figure

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.lubrication.spheres_in_shear import relative_path
 from fsi.postprocess.plots.figure import BLUE, GREY, ORANGE, saved_figure
 

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.cell import SimulationCell
 from fsi.arrangements.convex import ConvexShape
 from fsi.arrangements.oriented import OrientedBodies
+from fsi.arrays import Array
 from fsi.errors import InputError
 
 BODY_BYTES = 20e3  # measured at 20 000 bodies at random

@@ -10,7 +10,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fsi.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

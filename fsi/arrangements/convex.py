@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fsi.arrays import Array
 
 SAMPLES = 32  # directions that are looked at first
 GOLDEN, NARROWINGS = 0.5 * (sqrt(5.0) - 1.0), 36  # 2 * 2 pi / 32 * 0.618^36 = 1e-8: s to its square

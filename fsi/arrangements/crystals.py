@@ -12,7 +12,8 @@ from math import sqrt
 import numpy as np
 
 from fsi.arrangements.arrangement import Arrangement, Wanted, too_large, volumes
-from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.cell import SimulationCell
+from fsi.arrays import Array
 from fsi.errors import InputError
 
 

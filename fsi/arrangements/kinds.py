@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 
 from fsi.arrangements.arrangement import Arrangement, Wanted, too_large
-from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.cell import SimulationCell
 from fsi.arrangements.crystals import BODY_CENTRED, CLOSE_PACKED, CUBIC, FACE_CENTRED, crystal
 from fsi.arrangements.oriented_packing import oriented_arrangement
 from fsi.arrangements.packing import random_arrangement
+from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.files import replace
 from fsi.meshes.geometry.curves import rescaled

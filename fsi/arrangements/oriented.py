@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.cell import SimulationCell
 from fsi.arrangements.convex import ConvexShape, Couples, apart
+from fsi.arrays import Array
 
 Indices = NDArray[np.intp]
 

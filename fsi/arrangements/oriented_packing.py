@@ -16,10 +16,11 @@ import numpy as np
 import scipy  # its modules load when they are used
 
 from fsi.arrangements.arrangement import Arrangement, Wanted
-from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.cell import SimulationCell
 from fsi.arrangements.convex import ConvexShape, apart
 from fsi.arrangements.oriented import OrientedBodies
 from fsi.arrangements.packing import ITERATIONS, LENGTH, MARGIN, MOVES, ROUNDING, TRIES, cell_for, proposal
+from fsi.arrays import Array
 from fsi.errors import InputError
 
 LIMIT = 0.75  # area fraction of bodies with half the gap around them, above which none is looked for

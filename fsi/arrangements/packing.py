@@ -21,7 +21,8 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.arrangements.arrangement import Arrangement, Wanted, too_large, volumes
-from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.cell import SimulationCell
+from fsi.arrays import Array
 from fsi.errors import InputError
 
 # Fractions, of bodies grown by half the gap, up to which overlaps are removed in a moment: below random close

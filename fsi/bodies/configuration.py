@@ -18,6 +18,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.lattice import Lattice
@@ -25,11 +26,14 @@ from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.rotations import turn_between, turning_rate
 
-Array = NDArray[np.float64]
-
 MODES = {2: ("V_x", "V_y", "omega"), 3: ("V_x", "V_y", "V_z", "omega_x", "omega_y", "omega_z")}
 LOADS = {2: ("F_x", "F_y", "T"), 3: ("F_x", "F_y", "F_z", "T_x", "T_y", "T_z")}
 PLACES = {2: ("x", "y", "angle"), 3: ("x", "y", "z", "angle_x", "angle_y", "angle_z")}
+
+
+def volumes(radii: Array, *, spheres: bool) -> Array:
+    """Of spheres, on an axis or in space, or areas of discs, (N,)."""
+    return np.asarray(4.0 / 3.0 * np.pi * radii**3 if spheres else np.pi * radii**2)
 
 
 def arms(radii: Array, dimension: int) -> Array:
@@ -121,19 +125,12 @@ class Configuration:
         return lattice.shift(to_images(lattice, self.centres, self.placed, body, x))
 
     @property
-    def areas(self) -> Array:
-        """Of the bodies in the plane, (N,)."""
-        if self.outlines:
-            return np.array([outline.area for outline in self.outlines])
-        return np.pi * self.radii**2
-
-    @property
     def volumes(self) -> Array:
-        """Of each body, (N,): of spheres, in the plane the areas; not for spheres on an axis."""
+        """Of each body, in the plane the areas, (N,); of spheres on an axis a case has them alone."""
         if self.shaped:
-            volumes = [outline.volume for outline in self.outlines]
-            return np.array(volumes + [form.volume for form in self.ellipsoids])
-        return self.areas if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radii**3
+            of_outlines = [outline.volume for outline in self.outlines]
+            return np.array(of_outlines + [form.volume for form in self.ellipsoids])
+        return volumes(self.radii, spheres=self.dimension == 3)
 
     @property
     def arms(self) -> Array:

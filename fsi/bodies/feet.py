@@ -8,7 +8,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import Gaps, feet_on_walls, find_gaps, foot_between
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.feet import Foot

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
 from fsi.meshes.geometry.container import Container
 
@@ -25,11 +25,6 @@ class Bulk:
 
     masses: Array
     volumes: Array
-
-    @classmethod
-    def of(cls, masses: Array, radii: Array, *, spheres: bool) -> Bulk:
-        """Of spheres, on an axis or in space, or of discs."""
-        return cls(masses, 4.0 / 3.0 * pi * radii**3 if spheres else pi * radii**2)
 
 
 class ForceLaw:

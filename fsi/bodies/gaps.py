@@ -9,10 +9,11 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array, Indices
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.feet import Foot
-from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.wall_feet import feet_in_space, wall_feet
 
 _WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a reach
@@ -228,7 +229,7 @@ def without_rounding(gaps: Array, radius: float) -> Array:
     return np.where(in_contact, 0.0, gaps)
 
 
-def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[np.intp], Integers]:
+def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[np.intp], Indices]:
     """All pairs of points x (N, d) and images in a container that are no farther apart than a cutoff.
 
     Points are wrapped into one cell; those of the cells around it that are near to it are their images. So

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 
 
 def order_columns(q: Configuration, U: Array) -> dict[str, float]:

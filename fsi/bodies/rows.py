@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy.sparse as sp
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 # Up to FEW rows a full matrix takes half of the time or less; from MANY on products take longer than loading
 # what is compiled, some 0.3 s.

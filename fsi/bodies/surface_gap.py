@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import feet_on_walls, foot_between, nearest_gaps
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice

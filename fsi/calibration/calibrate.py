@@ -1,7 +1,5 @@
 """`fsi calibrate`, from a case to a folder with its law: law.toml, samples.csv, calibration.json."""
 
-import csv
-import io
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -9,14 +7,14 @@ from typing import Any
 import numpy as np
 
 import fsi.parallel as parallel
-from fsi.calibration.pair import pair_of
+from fsi.calibration.finding import pair_of
 from fsi.calibration.result import CalibrationResult, fit_law
 from fsi.calibration.sampling import Sampling, take_samples
 from fsi.case.case import Case
 from fsi.case.checks.work import require_room_for_samples
 from fsi.case.law_file import save_law
 from fsi.errors import InputError
-from fsi.files import json_text, replace, require_folder
+from fsi.files import csv_of, json_text, replace, require_folder
 
 
 def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) -> CalibrationResult:
@@ -59,11 +57,7 @@ def write_calibration(folder: Path, result: CalibrationResult) -> None:
         raise InputError(f"output = {folder}: {error.strerror}; give a folder that can be written") from None
     replace(folder / SUMMARY, (json_text(summary(result), indent=1) + "\n").encode())
     save_law(folder / LAW, result.law)
-    rows, text = _rows(result), io.StringIO()
-    table = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
-    replace(folder / SAMPLES, text.getvalue().encode())
+    replace(folder / SAMPLES, csv_of(_rows(result)).encode())
 
 
 def summary(result: CalibrationResult) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import brentq
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.calibration.pair import LEFT_OUT
 from fsi.case.case import Case
 from fsi.case.checks.reduced import relative_cutoff

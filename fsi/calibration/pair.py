@@ -21,34 +21,24 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
-from fsi.bodies.gaps import find_gaps, foot_between
+from fsi.arrays import Array
+from fsi.bodies.gaps import find_gaps
 from fsi.bodies.resolved_gaps import too_narrow
-from fsi.calibration.sharpness import is_sharp, sharpness
 from fsi.case.case import Case
-from fsi.case.checks.surfaces import slip_lengths
 from fsi.case.load import parse_case
-from fsi.case.section import refusal, toml_text
 from fsi.case.sections import Calibration
 from fsi.errors import InputError
 from fsi.integration.state import Results
 from fsi.lubrication.expansions import LawShape
 from fsi.lubrication.sliding import tangents
-from fsi.meshes.geometry.feet import Foot
-from fsi.meshes.geometry.placed import Placed
-from fsi.meshes.geometry.wall_feet import wall_feet
 from fsi.observables.truncation import is_infinite
 
 # Sections of a case that none of its resistances has.
 LEFT_OUT = frozenset({"calibration", "time", "output", "expected", "sweep", "forces"})
 # Of a body, its samples have these keys.
 _PLACE = ("name", "radius", "shape", "angle", "position")
-# Radii are equal to this, relative.
-_EQUAL = 1e-9
 # Of a gap: what closest points of shapes may be off it.
-_SAME_GAP = 1e-6
-# Of a radius: what closest points on an axis may be off it.
-_ON_AXIS = 1e-6
+SAME_GAP = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +64,7 @@ class Pair:
     @property
     def plan(self) -> Calibration:
         """The section [calibration]."""
-        assert self.case.calibration is not None  # by `pair_of`
+        assert self.case.calibration is not None  # by `fsi.calibration.finding`
         return self.case.calibration
 
     @property
@@ -143,7 +133,7 @@ class Pair:
             if self.second is not None
             else found.wall_gaps[self.first, walls.index(self.plan.pair[1])]
         )
-        if abs(here - gap) > _SAME_GAP * gap:
+        if abs(here - gap) > SAME_GAP * gap:
             raise InputError(
                 f"calibration.range: at the gap {gap:g} other points are closest, {here:g} apart; move the "
                 "bodies so that the same points are at all gaps"
@@ -194,103 +184,6 @@ class Pair:
         return motion
 
 
-def pair_of(case: Case) -> Pair:
-    """The pair that a case wants calibrated. Raises InputError: [calibration] is missing or does not fit."""
-    plan = case.calibration
-    if plan is None:
-        raise InputError("calibration: missing; give a section [calibration] with pair and range")
-    for key, b in slip_lengths(case).items():
-        raise refusal(key, b, "laws of gaps are those of surfaces that fluid sticks to; drop it")
-    here = f"calibration.pair = {toml_text(plan.pair)}"
-    if plan.pair[0] not in case.names:
-        raise InputError(f"{here}: no body is named {plan.pair[0]!r}; the bodies are {toml_text(case.names)}")
-    first = case.names.index(plan.pair[0])
-    if plan.pair[1] in case.names and plan.pair[1] != plan.pair[0]:
-        q, second = case.configuration(), case.names.index(plan.pair[1])
-        apart = q.centres[first] - q.centres[second]
-        distance = float(np.linalg.norm(apart))
-        gap = distance - float(q.radii[first] + q.radii[second])
-        pair = Pair(case, first, second, apart / distance, gap)
-        if q.outlines:
-            foot = _straightened(foot_between(q, first, second), q.placed[second])
-            pair = _at_closest_points(pair, foot)
-    elif plan.pair[1] in case.container().walls:
-        pair = _beside_wall(case, first, plan.pair[1])
-    else:
-        others = [*(name for name in case.names if name != plan.pair[0]), *case.container().walls]
-        remedy = f"use one of {toml_text(others)}"
-        raise InputError(f"{here}: {plan.pair[1]!r} is no other body and no wall; {remedy}")
-    if (count := len(case.bodies)) != (1 if pair.second is None else 2):
-        raise InputError(f"{here}: the case has {count} bodies; drop those that are not of the pair")
-    here = f"calibration.mode = {toml_text(plan.mode)}"
-    if plan.mode != "squeeze" and case.axisymmetric:
-        raise InputError(f'{here}: bodies on an axis of symmetry do not slide or turn; give "squeeze"')
-    if plan.mode == "rotation" and pair.second is not None and pair.ratio > 1.0 + _EQUAL:
-        raise InputError(f"{here}: bodies of two radii slide as a couple turns them; give equal radii")
-    if plan.mode != "squeeze" and pair.shaped:
-        raise InputError(f'{here}: laws of shapes are those along the normal; give "squeeze"')
-    if case.axisymmetric and any(is_sharp(outline) for outline in case.configuration().outlines):
-        here = f"calibration.pair = {toml_text(plan.pair)}"
-        raise InputError(f"{here}: laws of bodies on an axis are those of smooth ones; drop the tip")
-    if len(set(sharpness(case, plan.pair[1]))) > 1:
-        here = f"calibration.pair = {toml_text(plan.pair)}"
-        raise InputError(f"{here}: between a tip and what is curved there are more powers; give a plane wall")
-    _check_surroundings(case)
-    pair.require_resolved()
-    for gap in plan.range:
-        pair.require_gap(gap)
-    return pair
-
-
-def _at_closest_points(pair: Pair, foot: Foot) -> Pair:
-    """The pair with the normal and the gap of shapes. Raises InputError: on an axis they are off it."""
-    if not pair.case.axisymmetric:
-        return replace(pair, normal=foot.normal, gap=foot.gap, shaped=True)
-    r = abs(float(foot.x[0]))
-    if r > _ON_AXIS * pair.case.configuration().radii[pair.first]:
-        here = f"calibration.pair = {toml_text(pair.plan.pair)}"
-        raise InputError(
-            f"{here}: their closest points are at r = {r:.3g}, laws are those on the axis; turn them"
-        )
-    return replace(pair, normal=np.array([0.0, np.sign(foot.normal[1])]), gap=foot.gap, shaped=True)
-
-
-def _straightened(foot: Foot, other: Placed) -> Foot:
-    """With the normal along the way across, which the end of a tip, bent without bound, tells less well."""
-    way = foot.x - other.at(other.nearest(foot.x[None])).x[0]
-    length = float(np.hypot(*way))
-    return replace(foot, normal=way / length) if length > _SAME_GAP * other.outline.radius else foot
-
-
 def _turning(values: list[float]) -> float | tuple[float, ...]:
     """As a case has rotations and torques: a number in the plane."""
     return values[0] if len(values) == 1 else tuple(values)
-
-
-def _beside_wall(case: Case, first: int, wall: str) -> Pair:
-    """A body and a wall, whose normal points into the fluid. Raises InputError: the wall is not plane."""
-    container, q = case.container(), case.configuration()
-    k = container.walls.index(wall)
-    if q.outlines and container.spheres[k] is None:
-        foot = wall_feet(q.placed[first], container)[k]
-        return _at_closest_points(Pair(case, first, None, foot.normal, foot.gap), foot)
-    around = case.axisymmetric and container.corner_axes[k] == 0  # a cylinder about the axis
-    if around or not container.plane[k]:
-        raise InputError(f"calibration.pair.1 = {toml_text(wall)}: this wall is not plane; give one that is")
-    distance, normal = container.to_wall(k, q.centres[first][None])
-    return Pair(case, first, None, normal[0], float(distance[0] - q.radii[first]))
-
-
-def _check_surroundings(case: Case) -> None:
-    """Walls at rest or open, nothing else that drives a flow, and a mesh that can be made for any gap."""
-    for key in ("shear", "extension", "pressure_gradient", "net_flux"):
-        driven = getattr(case.domain, key, None)
-        if driven:
-            raise InputError(f"domain.{key} = {driven:g}: a resistance needs fluid at rest far away; drop it")
-    for name, wall in case.domain.walls.items():
-        if not wall.rests and wall.outside_pressure != 0.0:
-            here = f"domain.walls.{name} = {toml_text(wall)}"
-            raise InputError(f"{here}: a resistance needs walls at rest; drop it")
-    if case.domain.mesh is not None:
-        here = f"domain.mesh = {toml_text(case.domain.mesh)}"
-        raise InputError(f"{here}: a mesh has one gap, a calibration many; drop it")

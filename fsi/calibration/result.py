@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.calibration.pair import Pair
 from fsi.calibration.samples import Sample, Samples, as_arrays
 from fsi.case.law_file import LawFile, SeriesSection, TableSection, not_falling
 from fsi.errors import SolveError
-from fsi.lubrication.expansions import EXPONENTS, LawShape, basis, coefficients, is_singular
+from fsi.lubrication.expansions import EXPONENTS, basis, coefficients, is_singular
 from fsi.lubrication.fitting import Fit, fit_series
 from fsi.lubrication.free_exponent import PLANAR, REVOLVED, fit_exponent
 from fsi.lubrication.profiles import Term
@@ -123,31 +123,65 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
 
     Raises SolveError: samples, or the series through them, do not decrease with the gap.
     """
-    fitted, a = as_arrays(samples, held_out=False), pair.reduced_radius
-    unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
-    s, K, bars = fitted.d / a, fitted.kappa / unit, fitted.bars / unit
-    if np.any(K <= 0.0) or np.any(np.diff(K) >= 0.0):
+    fitted, source = _without_dimension(pair, samples), _source(pair, case, samples)
+    if np.any(fitted.kappa <= 0.0) or np.any(np.diff(fitted.kappa) >= 0.0):
         raise SolveError(
             "the sampled resistances do not decrease with the gap; end calibration.range before the body "
             "comes to other surfaces, or refine the discretisation"
         )
-    common: dict[str, Any] = {"form": pair.plan.form, "shape": pair.shape, "mode": pair.plan.mode}
-    common["ratio"] = None if pair.second is None or pair.shaped else pair.ratio
-    common |= {"viscosity": pair.case.fluid.viscosity, "source": _source(pair, case, samples)}
     if pair.plan.form == "table":
-        law = LawFile(**common, table=TableSection(s=tuple(s.tolist()), K=tuple(K.tolist())))
+        table = TableSection(s=tuple(fitted.d.tolist()), K=tuple(fitted.kappa.tolist()))
+        law = _law_file(pair, source, table=table)
         return CalibrationResult(pair, samples, law, None, [], _tested(pair, samples, law))
-    shape: LawShape = pair.shape
     confined = pair.confined
-    known: dict[Term, float] = {}
-    if shape == "shapes":
+    fit = _fit(pair, fitted, confined=confined)
+    source |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
+    law = _law_file(pair, source, series=_series(fit), range_of_s=fit.range)
+    compared = _compared(pair, fit, confined=confined)
+    return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))
+
+
+def _without_dimension(pair: Pair, samples: list[Sample]) -> Samples:
+    """s = d/a_r, K = kappa/(mu a_r^n) and its bars, of the samples that make the law."""
+    fitted, a = as_arrays(samples, held_out=False), pair.reduced_radius
+    unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
+    return Samples(fitted.d / a, fitted.kappa / unit, fitted.bars / unit)
+
+
+def _law_file(
+    pair: Pair,
+    source: dict[str, Any],
+    *,
+    table: TableSection | None = None,
+    series: SeriesSection | None = None,
+    range_of_s: tuple[float, float] | None = None,
+) -> LawFile:
+    """The law of a pair; a table has its range in itself."""
+    return LawFile(
+        form=pair.plan.form,
+        shape=pair.shape,
+        mode=pair.plan.mode,
+        ratio=None if pair.second is None or pair.shaped else pair.ratio,
+        viscosity=pair.case.fluid.viscosity,
+        range=range_of_s,
+        series=series,
+        table=table,
+        source=source,
+    )
+
+
+def _fit(pair: Pair, fitted: Samples, *, confined: bool) -> Fit:
+    """The series through samples without dimension, of shapes with a free exponent."""
+    s, K, bars = fitted.d, fitted.kappa, fitted.bars
+    if pair.shape == "shapes":
         free = REVOLVED if pair.case.axisymmetric else PLANAR
-        fit = fit_exponent(s, K, bars, free.confined() if confined else free)
-    else:
-        fit = fit_series(s, K, bars, basis(shape, pair.plan.mode, confined=confined), confined=confined)
-        known = coefficients(shape, pair.plan.mode, pair.ratio)
-        known = {term: c for term, c in known.items() if is_singular(term) or not confined}
-    common["source"] |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
+        return fit_exponent(s, K, bars, free.confined() if confined else free)
+    terms = basis(pair.shape, pair.plan.mode, confined=confined)
+    return fit_series(s, K, bars, terms, confined=confined)
+
+
+def _series(fit: Fit) -> SeriesSection:
+    """As a file has it. Raises SolveError: it does not decrease with the gap."""
     series = SeriesSection(
         powers=tuple(term.power for term in fit.terms),
         logs=tuple(term.log for term in fit.terms),
@@ -158,10 +192,17 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
         raise SolveError(
             f'the fitted series {wrong}; give more calibration.samples, or calibration.form = "table"'
         )
-    law = LawFile(**common, range=fit.range, series=series)
+    return series
+
+
+def _compared(pair: Pair, fit: Fit, *, confined: bool) -> list[Coefficient]:
+    """The coefficients beside those that are known."""
+    known: dict[Term, float] = {}
+    if pair.shape != "shapes":
+        exact = coefficients(pair.shape, pair.plan.mode, pair.ratio)
+        known = {term: c for term, c in exact.items() if is_singular(term) or not confined}
     values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
-    compared = [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
-    return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))
+    return [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
 
 
 def _source(pair: Pair, case: str, samples: list[Sample]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.files import content, plain, replace

@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 
 import fsi.parallel as parallel
-from fsi.calibration.pair import Pair, pair_of
+from fsi.calibration.finding import pair_of
+from fsi.calibration.pair import Pair
 from fsi.calibration.samples import Sample, keep_sample, read_sample
 from fsi.case.load import parse_case
 from fsi.errors import FsiError, SolveError

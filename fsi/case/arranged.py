@@ -117,7 +117,7 @@ def _section(given: Any) -> Arranged:
     try:
         return Arranged.model_validate(tuples(given))
     except ValidationError as error:
-        raise InputError(f"arrangement.{explain(error, Arranged, given)}") from None
+        raise InputError(explain(error, Arranged, given, ("arrangement",))) from None
 
 
 def _domain(made: Arrangement) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container

@@ -82,6 +82,7 @@ class ChannelDomain(BoxDomain, _Periodicity):
     """The box that is periodic in some directions, across which it has no walls: along x, a channel."""
 
     takes_mesh: ClassVar[bool] = False
+    drives: ClassVar[tuple[str, ...]] = ("pressure_gradient", "net_flux")
 
     pressure_gradient: float = 0.0
     """the mean dp/dx, a number"""

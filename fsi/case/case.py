@@ -13,7 +13,8 @@ import tomli_w
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field
 
-from fsi.bodies.configuration import MODES, Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import MODES, Configuration, Motion, volumes
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.bodies.opened import opened
 from fsi.case.body import FREE, Body
@@ -165,7 +166,7 @@ class Case(Section):
     @property
     def fraction(self) -> float:
         """The part of the domain that is bodies."""
-        return float(self.bulk().volumes.sum()) / self.container().volume
+        return float(self.bulk().volumes.sum()) / self.container().volume_in_space
 
     @property
     def timing(self) -> Time:
@@ -272,9 +273,8 @@ class Case(Section):
 
     def bulk(self) -> Bulk:
         """What gravity acts on."""
-        masses = np.array([body.mass or 0.0 for body in self.bodies])
-        q = self.configuration()
-        return Bulk(masses, q.volumes) if q.shaped else Bulk.of(masses, q.radii, spheres=self.spheres)
+        masses, q = np.array([body.mass or 0.0 for body in self.bodies]), self.configuration()
+        return Bulk(masses, q.volumes if q.shaped else volumes(q.radii, spheres=self.spheres))
 
     def knots(self) -> tuple[float, ...]:
         """The times at which a table has a kink, increasing."""

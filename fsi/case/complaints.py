@@ -17,17 +17,23 @@ _COMPLAINTS = {
 _CONSEQUENCES = ("default_factory_not_called",)  # of another mistake in the same section
 
 
-def explain(error: ValidationError, root: type[Section], data: Mapping[str, Any]) -> str:
-    """The first mistake in the data as `key = value: what is wrong; what to do`, and how many others."""
+def explain(
+    error: ValidationError, root: type[Section], data: Mapping[str, Any], above: tuple[int | str, ...] = ()
+) -> str:
+    """The first mistake in the data as `key = value: what is wrong; what to do`, and how many others.
+
+    above: where the root stands in the case file, of a section that is looked at by itself.
+    """
     found = [mistake for mistake in error.errors(include_url=False) if mistake["type"] not in _CONSEQUENCES]
     # An old file has many mistakes, and its old keys explain the others.
     found.sort(key=lambda mistake: mistake["type"] != "renamed_key")
     others = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-    return _explain_one(found[0], root, data) + others
+    first = found[0]
+    return _explain_one(first, (*above, *first["loc"]), _meaning(first["loc"], root, data)) + others
 
 
-def _explain_one(mistake: ErrorDetails, root: type[Section], data: Mapping[str, Any]) -> str:
-    path, given = mistake["loc"], mistake["input"]
+def _explain_one(mistake: ErrorDetails, path: tuple[int | str, ...], meaning: str) -> str:
+    given = mistake["input"]
     if mistake["type"] == "renamed_key":
         key, now = mistake["ctx"]["key"], mistake["ctx"]["now"]
         return f"{dotted((*path, key))} = {toml_text(given[key])}: an old key; {now}"
@@ -36,7 +42,7 @@ def _explain_one(mistake: ErrorDetails, root: type[Section], data: Mapping[str, 
         known = ", ".join(dotted((*path, word)) for word in mistake["ctx"]["known"])
         remedy = f"use {known} or drop it" if known else "drop it"
         return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; {remedy}"
-    remedy = f"give {_meaning(path, root, data)}"
+    remedy = f"give {meaning}"
     if mistake["type"] == "missing":
         return f"{dotted(path)}: missing; {remedy}"
     return f"{dotted(path)} = {toml_text(given)}: {_complaint(mistake)}; {remedy}"

@@ -9,15 +9,8 @@ from typing import Any, ClassVar, NamedTuple, Self, override
 
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator
 
-from fsi.case.section import (
-    Geometry,
-    Registered,
-    Registry,
-    context_of,
-    refuse_unknown,
-    require_components,
-    told,
-)
+from fsi.case.registry import Registered, Registry
+from fsi.case.section import Geometry, context_of, refusal, refuse_unknown, require_components, told
 from fsi.case.walls import Velocity, Wall
 from fsi.meshes.geometry.container import Container
 
@@ -42,6 +35,8 @@ class Walled(Registered):
     registry: ClassVar[Registry[Any]] = Registry("shape")
     # No mesh file has what a periodic domain needs: sides that match.
     takes_mesh: ClassVar[bool] = True
+    # The keys of what drives the fluid besides walls.
+    drives: ClassVar[tuple[str, ...]] = ()
 
     shape: str
     _geometry: Geometry = PrivateAttr("planar")
@@ -99,6 +94,12 @@ class Walled(Registered):
     def mean_drive(self) -> MeanDrive:
         """The mean pressure gradient or net flux along a channel, the stress of a cell; none elsewhere."""
         return MeanDrive()
+
+    def require_undriven(self, why: str) -> None:
+        """Raise InputError, for this reason, where more than walls drives the fluid."""
+        for key in self.drives:
+            if (value := getattr(self, key)) != type(self).model_fields[key].default:
+                raise refusal(f"domain.{key}", value, f"{why}; drop it")
 
     def halved(self) -> Self | None:
         """The same with half the radius, where that stands for infinity; None where nothing does."""

@@ -97,6 +97,7 @@ class CellDomain(Walled):
     """A cell of the plane or space, periodic along two or three lattice vectors, in the mean flow u = E x."""
 
     takes_mesh: ClassVar[bool] = False
+    drives: ClassVar[tuple[str, ...]] = ("shear", "extension", "uniaxial", "stress")
 
     shape: Literal["cell"]
     vectors: tuple[Vector, ...]

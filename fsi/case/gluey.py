@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.section import Name, NotNegative, Positive, Section, all_components
 
 type Variant = Literal["shifted", "cone", "film"]
@@ -34,6 +34,10 @@ class ContactLaw:
     tangential: float = 0.0
     eps: float = 0.0
     delta0: float = 0.0
+
+    def shift(self, gamma: Array) -> Array:
+        """What the predictor takes of memories gamma (C,); the cone leaves them to the projection."""
+        return np.zeros_like(gamma) if self.variant == "cone" else gamma
 
 
 class PlaneWall(Section):

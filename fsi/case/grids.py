@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, ValidationError, field_validator
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.complaints import explain
 from fsi.case.section import Name, NotNegative, Positive, Section, all_components, toml_text, tuples
 from fsi.errors import InputError
@@ -89,7 +89,7 @@ def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
         try:
             sound = Grid.model_validate(tuples(grid), context=context)
         except ValidationError as error:
-            raise InputError(f"grids.{i}.{explain(error, Grid, grid)}") from None
+            raise InputError(explain(error, Grid, grid, ("grids", i))) from None
         if sound.name in names:
             raise InputError(f'grids.{i}.name = "{sound.name}": given twice; give each its own')
         names.add(sound.name)

@@ -28,7 +28,7 @@ import tomli_w
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.complaints import explain
 from fsi.case.section import Positive, Section, toml_data, tuples
 from fsi.errors import InputError

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.section import Section
 
 FUNCTIONS = {

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, override
 import numpy as np
 from pydantic import ConfigDict, Discriminator, RootModel, Tag
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.section import Positive, Section, nearest_word
 from fsi.case.series import Series, Table, kinks, value_at
 

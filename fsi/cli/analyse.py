@@ -73,7 +73,7 @@ def memory(folder: RunFolder, as_json: AsJson = False) -> None:
 def settling(folder: RunFolder, as_json: AsJson = False) -> None:
     """Compare the gap of a disc or sphere that settles onto a plane with the exact law.
 
-    The run is of one body above the plane of a half-plane under a constant normal force.
+    The run is of one body above the plane of a half-plane under a constant normal force, in a viscous fluid.
     """
     from fsi.postprocess.analysis.settling import read_settling, settling_data, settling_table
     from fsi.postprocess.plots.analyses import plot_settling

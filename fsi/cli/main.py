@@ -16,7 +16,7 @@ from typing import Annotated
 from fsi.cli.loading import loading
 
 DEFECT, INTERRUPTED = 70, 130
-GOES_ON = "a run goes on with fsi resume, a calibration when repeated"
+GOES_ON = "a run goes on with fsi resume, a calibration or sweep when repeated"
 
 try:
     with loading():

@@ -71,17 +71,10 @@ def pack(
     The file is one that a case takes by `bodies_from`; it is drawn as well. The cell begins at the origin,
     and the area fraction determines its size. Random is the equilibrium fluid of hard bodies.
     """
-    from fsi.arrangements.arrangement import BODY_BYTES
     from fsi.arrangements.request import wanted
 
-    if output.suffix != ".json":
-        raise InputError(f"output = {output}: ends in {output.suffix or 'nothing'}; give a .json file")
     drawn = picture or output.with_suffix(".png")
-    for path in (output, drawn):
-        require_writable(path)
-    require_memory(f"--number {number}", BODY_BYTES * number, "give fewer")
-    if kind == "random" and number > _MANY:
-        warn(f"{number} bodies at random: some {_BODY_SECONDS * number / 60.0:.0f} minutes")
+    _require_sense(output, drawn, kind, number)
     smallest = 0.02 * radius if gap is None else gap
     common = {"number": number, "fraction": area_fraction, "radius": radius, "gap": smallest, "cell": cell}
     options = {"seed": seed, "aspect": aspect, "sizes": sizes, "spread": spread, "dimension": dimension,
@@ -90,6 +83,19 @@ def pack(
     given = {key: value for key, value in options.items() if value is not None}
     asked = wanted(kind, common, given, _spelled)
     parallel.on_root(lambda: _make(kind, asked, output, drawn))
+
+
+def _require_sense(output: Path, drawn: Path, kind: Kind, number: int) -> None:
+    """Raise InputError: the files cannot be written, or memory is too small; say if it takes minutes."""
+    from fsi.arrangements.arrangement import BODY_BYTES
+
+    if output.suffix != ".json":
+        raise InputError(f"output = {output}: ends in {output.suffix or 'nothing'}; give a .json file")
+    for path in (output, drawn):
+        require_writable(path)
+    require_memory(f"--number {number}", BODY_BYTES * number, "give fewer")
+    if kind == "random" and number > _MANY:
+        warn(f"{number} bodies at random: some {_BODY_SECONDS * number / 60.0:.0f} minutes")
 
 
 def _spelled(name: str, value: Any) -> str:

@@ -63,14 +63,7 @@ def render(
     require_memory(
         f"--size {size}: {float(size) ** 2:.3g} pixels", _PIXEL_BYTES * float(size) ** 2, "give fewer"
     )
-    ends = None
-    if span is not None:
-        low, high = numbers("--range", span, 2)
-        if not low < high:
-            raise InputError(f"--range {span}: give the lower end first")
-        if max(-low, high) > _LARGEST:
-            raise InputError(f"--range {span}: colours end at {_LARGEST:g}; give smaller numbers")
-        ends = low, high
+    ends = None if span is None else _ends(span)
 
     def draw() -> Path:
         choice = Choice(field, gap, ends, size, plane, revolved, dark)
@@ -78,3 +71,13 @@ def render(
 
     picture = parallel.on_root(draw)
     tell(f"wrote {picture}")
+
+
+def _ends(span: str) -> tuple[float, float]:
+    """The ends of the colours, of the text that the option was given. Raises InputError."""
+    low, high = numbers("--range", span, 2)
+    if not low < high:
+        raise InputError(f"--range {span}: give the lower end first")
+    if max(-low, high) > _LARGEST:
+        raise InputError(f"--range {span}: colours end at {_LARGEST:g}; give smaller numbers")
+    return low, high

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError

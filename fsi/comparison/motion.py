@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
-from fsi.bodies.configuration import LOADS, MODES, PLACES, Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import LOADS, MODES, PLACES, Configuration
 from fsi.bodies.gaps import smallest_of_each, without_rounding
 from fsi.case.case import MODELS, Case
 from fsi.case.load import load_case, parse_case

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.comparison.motion import TIMES
 
 AGREE = 0.02  # relative

@@ -26,7 +26,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import LinearOperator, SuperLU, cg, splu
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

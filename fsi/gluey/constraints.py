@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError
 from fsi.gluey.augmented_lagrangian import Impulses, Program
 from fsi.gluey.contacts import Contacts, gap_rows, slip_rows
@@ -61,7 +61,7 @@ class Rows:
 def make_rows(system: System, contacts: Contacts, gamma: Array, h: float) -> Rows:
     """The rows for contacts with the memories gamma, shape (C,), and a step h."""
     law, across, modes = system.law, system.dimension - 1, system.mass.shape[1]
-    shifted = law.variant != "cone"
+    shift = law.shift(gamma)
     films = np.flatnonzero(gamma < 0.0) if law.tangential > 0.0 else np.empty(0, dtype=np.intp)
     blocks = [gap_rows(contacts, *system.mass.shape)]
     if len(films):
@@ -72,10 +72,10 @@ def make_rows(system: System, contacts: Contacts, gamma: Array, h: float) -> Row
     C, first = len(contacts), len(contacts) + across * len(films)
     b, p, compliance = np.zeros((3, J.shape[0]))
     b[:C] = contacts.D / h
-    p[:C] = -gamma if shifted else 0.0  # what a contact that lasts without a load will find
+    p[:C] = -shift  # what a contact that lasts without a load will find
     k = law.tangential * -gamma[films] * _curvature(contacts[films], system.radii)
     compliance[C:first] = np.repeat(1.0 / (h * k), across)
-    least = np.where(gamma < 0.0, 0.0 if shifted else -np.inf, 0.0)
+    least = np.where(gamma < shift, -np.inf, 0.0)  # a memory that no shift takes holds the gap closed
     at_wall = contacts.i >= len(system.radii)
     rubs = law.friction > 0.0
     sides = [at_wall, np.repeat(at_wall[films], across), np.repeat(at_wall, across if rubs else 0)]

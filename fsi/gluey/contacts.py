@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.gaps import neighbours
 from fsi.lubrication.sliding import tangents
 from fsi.meshes.geometry.container import Container

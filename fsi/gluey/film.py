@@ -4,72 +4,77 @@ Spheres: `Psi' = ln(D/delta0)`; discs: `Psi' = 2 (1 - (D/delta0)^{-1/2})`. Both 
 film begins. The unknown is gamma, as D underflows.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Literal
+from typing import override
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.special import wrightomega
 
-from fsi.bodies.configuration import Array
-
-type Shape = Literal["sphere", "disc"]
+from fsi.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
-class Film:
+class Film(ABC):
     """Rows with viscosity, in a step h: `D + h G.u = s`, `p = -eps Psi'(s)`.
+
+    A kind of surfaces says what `y = Psi'(x)` is, y = gamma/eps at the gap x = D/delta0.
 
     Attributes:
         eps: of a pair, > 0, an impulse.
         delta0: where films begin.
         h: the step.
-        shape: of the bodies.
     """
 
     eps: float
     delta0: float
     h: float
-    shape: Shape
+
+    @staticmethod
+    @abstractmethod
+    def memory(x: Array) -> Array:
+        """y at x, 0 <= x <= 1, shape of x; minus infinity at 0."""
+
+    @staticmethod
+    @abstractmethod
+    def opening(y: Array) -> Array:
+        """x of y <= 0."""
+
+    @staticmethod
+    @abstractmethod
+    def mobility(y: Array) -> Array:
+        """dx/dy."""
+
+    @staticmethod
+    @abstractmethod
+    def implicit(R: Array, c: Array) -> Array:
+        """The solution y of `x(y) + c y = R`, c > 0."""
 
     def gamma(self, D: Array) -> Array:
         """The memory of gaps D > 0, which is at most 0."""
         with np.errstate(divide="ignore"):
-            return self.eps * gamma_over_eps(np.minimum(D / self.delta0, 1.0), self.shape)
+            return self.eps * self.memory(np.minimum(D / self.delta0, 1.0))
 
     def gap(self, gamma: Array) -> Array:
         """D of memories gamma <= 0; 0 where it underflows."""
-        y = gamma / self.eps
-        D: Array = self.delta0 * (np.exp(y) if self.shape == "sphere" else (1.0 - 0.5 * y) ** -2.0)
-        return D
+        return self.delta0 * self.opening(gamma / self.eps)
 
     def impulse(self, r: Array, p_old: Array, sigma: Array) -> tuple[Array, sp.spmatrix]:
         """The solution of `D(-p)/h - p/sigma = r - p_old/sigma`, and `-dp/dr`; 0 for pairs beyond delta0."""
         z = r - p_old / sigma
         p = self._solve(z, sigma)
         # dp/dr = -1/(dD/dgamma / h + 1/sigma)
-        slope = 1.0 / (self._mobility(-p) / self.h + 1.0 / sigma)
+        of_gap = self.mobility(-p / self.eps) * self.delta0 / self.eps
+        slope = 1.0 / (of_gap / self.h + 1.0 / sigma)
         near = z < self.delta0 / self.h
         return np.where(near, p, 0.0), sp.diags(np.where(near, slope, 0.0)).tocsr()
 
     def _solve(self, z: Array, sigma: Array) -> Array:
         """p >= 0 with `D(-p)/h = z + p/sigma`."""
-        c = self.eps * self.h / (sigma * self.delta0)
-        R = self.h * z / self.delta0
-        if self.shape == "sphere":  # exp(y) + c y = R, y = -p/eps
-            w = wrightomega(R / c - np.log(c))
-            with np.errstate(divide="ignore"):
-                y = np.where(w > 1.0, np.log(c * w), R / c - w)
-        else:  # x^2 + 2c (1 - 1/x) = R, x = sqrt(D/delta0), y = 2 (1 - 1/x)
-            y = 2.0 * (1.0 - 1.0 / _positive_root(R - 2.0 * c, 2.0 * c))
+        y = self.implicit(self.h * z / self.delta0, self.eps * self.h / (sigma * self.delta0))
         p: Array = np.maximum(-self.eps * y, 0.0)
         return p
-
-    def _mobility(self, gamma: Array) -> Array:
-        """dD/dgamma."""
-        y = gamma / self.eps
-        slope: Array = np.exp(y) if self.shape == "sphere" else (1.0 - 0.5 * y) ** -3.0
-        return slope * self.delta0 / self.eps
 
     def scales(self, weight: Array) -> Array:
         """Each row by itself."""
@@ -83,10 +88,68 @@ class Film:
         return float(np.maximum(in_gap, np.abs(answer - p) * weight).max(initial=0.0))
 
 
-def gamma_over_eps(x: Array, shape: Shape) -> Array:
-    """Psi' at the gaps x delta0, 0 <= x <= 1, shape of x; minus infinity at 0."""
-    psi: Array = np.log(x) if shape == "sphere" else 2.0 * (1.0 - x**-0.5)
-    return psi
+class SphereFilm(Film):
+    """Between spheres, `y = ln x`."""
+
+    __slots__ = ()
+
+    @staticmethod
+    @override
+    def memory(x: Array) -> Array:
+        return np.asarray(np.log(x))
+
+    @staticmethod
+    @override
+    def opening(y: Array) -> Array:
+        return np.asarray(np.exp(y))
+
+    @staticmethod
+    @override
+    def mobility(y: Array) -> Array:
+        return np.asarray(np.exp(y))
+
+    @staticmethod
+    @override
+    def implicit(R: Array, c: Array) -> Array:
+        return log_gap(R, c)
+
+
+class DiscFilm(Film):
+    """Between discs, `y = 2 (1 - x^(-1/2))`."""
+
+    __slots__ = ()
+
+    @staticmethod
+    @override
+    def memory(x: Array) -> Array:
+        return np.asarray(2.0 * (1.0 - x**-0.5))
+
+    @staticmethod
+    @override
+    def opening(y: Array) -> Array:
+        return np.asarray((1.0 - 0.5 * y) ** -2.0)
+
+    @staticmethod
+    @override
+    def mobility(y: Array) -> Array:
+        return np.asarray((1.0 - 0.5 * y) ** -3.0)
+
+    @staticmethod
+    @override
+    def implicit(R: Array, c: Array) -> Array:
+        """By r = sqrt(x), of which `r^2 + 2 c (1 - 1/r) = R`."""
+        return 2.0 * (1.0 - 1.0 / _positive_root(R - 2.0 * c, 2.0 * c))
+
+
+def log_gap(R: Array | float, c: Array | float) -> Array:
+    """The solution y of `exp(y) + c y = R`, c > 0.
+
+    With z = exp(y)/c it reads `z + ln z = R/c - ln c`, so z is Wright's omega function of the right side.
+    """
+    z = wrightomega(R / c - np.log(c))
+    # Where z is large, R/c - z cancels; where it is small, its logarithm underflows.
+    y: Array = np.where(z > 1.0, np.log(c * np.maximum(z, 1.0)), R / c - z)
+    return y
 
 
 def _positive_root(R: Array, k: Array) -> Array:

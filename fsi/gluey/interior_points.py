@@ -21,12 +21,9 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.gluey.augmented_lagrangian import Program
-
-type Index = NDArray[np.int64]
 
 # Of the largest rate: at it, what closes is told from what opens, so that a Newton step or none is left. At
 # 1e-6 it may be 20, which cost more than the interior points (`bench/gluey.py`).
@@ -106,7 +103,7 @@ def _newton(G: sp.csr_matrix) -> Callable[[dict[str, Any]], Callable[..., None]]
     return factorised
 
 
-def _lower(G: sp.csr_matrix) -> tuple[Index, Index, sp.csr_matrix]:
+def _lower(G: sp.csr_matrix) -> tuple[Indices, Indices, sp.csr_matrix]:
     """Of the lower triangle of I + G^T D G, by columns: rows, columns, and what D adds to the entries."""
     rows, unknowns = G.shape
     count = np.diff(G.indptr)

@@ -36,10 +36,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PPoly
 from scipy.optimize import brentq
-from scipy.special import wrightomega
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError, SolveError
+from fsi.gluey.film import log_gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,16 +180,6 @@ class Path:
     steps: int
 
 
-def log_gap(r: float, c: float) -> float:
-    """The solution y of `exp(y) + c y = r`, c > 0: one implicit stage, with y = gamma/eps = ln q.
-
-    With z = exp(y)/c it reads `z + ln z = r/c - ln c`, so z is Wright's omega function of the right side.
-    """
-    z = float(wrightomega(r / c - np.log(c)))
-    # Where z is large, r/c - z cancels; where it is small, its logarithm underflows.
-    return float(np.log(c * z)) if z > 1.0 else r / c - z
-
-
 def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
     """The solution from q0 > 0, u0 at increasing times t >= 0, for eps > 0 and the force f per mass.
 
@@ -260,7 +250,7 @@ def _until(stop: float, film: _Film, now: _Now) -> _Now:
 
 def _collide(film: _Film, q: float, t: float, h: float) -> tuple[float, float]:
     """q and gamma after a step of backward Euler."""
-    y = log_gap(q + h * float(film.w(np.nextafter(t + h, t))), h * film.eps)
+    y = float(log_gap(q + h * float(film.w(np.nextafter(t + h, t))), h * film.eps))
     return float(np.exp(y)), film.eps * y
 
 
@@ -273,8 +263,7 @@ def _step(film: _Film, q: float, gamma: float, t: float, h: float) -> tuple[floa
     c = DIAGONAL * h * eps
     for i in range(5):
         r = q + h * float(A[i, :i] @ slopes[:i]) + DIAGONAL * h * float(w_stages[i])
-        y = log_gap(r, c)
-        stage = eps * y
+        stage = eps * float(log_gap(r, c))  # one implicit stage: the solution is gamma/eps = ln q
         slopes[i] = w_stages[i] - stage
     q1 = float(np.exp(stage / eps))
     raw = h * float(np.abs(ESTIMATES @ np.append(start, slopes)).max())

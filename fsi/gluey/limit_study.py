@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PPoly
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.forces import Bulk
 from fsi.case.case import Case
 from fsi.case.gluey import LimitStudy
@@ -51,14 +51,15 @@ class OneGap:
 
 def one_gap(case: Case) -> OneGap:
     """The gap of one body that a wall faces, or of two along an axis. Raises InputError of other cases."""
-    end, masses = case.timing.end, case.masses()
-    if masses is None or any(body.mass is None for body in case.bodies) or len(case.bodies) not in (1, 2):
+    masses = case.masses()
+    massless = sum(body.mass is None for body in case.bodies)
+    if masses is None or massless or len(case.bodies) not in (1, 2):
         raise InputError(
-            f"bodies: there are {len(case.bodies)}; `fsi limit` is for one gap, of a body with a mass and a "
-            "wall, or of two such bodies on a line along an axis"
+            f"bodies: there are {len(case.bodies)}, {len(case.bodies) - massless} with a mass; `fsi limit` "
+            "is for one gap, of a body with a mass and a wall, or of two such bodies on a line along an axis"
         )
     _require_known(case)
-    q, U = case.configuration(), case.initial_velocity()
+    q, U, end = case.configuration(), case.initial_velocity(), case.timing.end
     if len(case.bodies) == 2:
         between = q.centres[1] - q.centres[0]
         axis = int(np.abs(between).argmax())
@@ -93,11 +94,11 @@ def one_gap(case: Case) -> OneGap:
 
 def _accelerations(case: Case, i: int, axis: int, n: float) -> list[tuple[float, float | Table]]:
     """n times those of body i along an axis, as multiples of its load and of gravity's accelerations."""
-    body, q, masses = case.bodies[i], case.configuration(), case.masses()
+    body, masses = case.bodies[i], case.masses()
     assert masses is not None  # `one_gap` has asked
     terms = [(n / masses[i, axis], body.loads[axis])]
     if body.motion[axis] == "free":
-        bulk = Bulk.of(masses[:, 0], q.radii, spheres=case.spheres)
+        bulk = Bulk(masses[:, 0], case.bulk().volumes)
         weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
         terms += [(n * float(heavy[i]) / masses[i, axis], g[axis]) for heavy, g in weights]
     return terms

@@ -8,7 +8,7 @@ nearest image of a body alone: over half a period bodies pass through others.
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Contacts, gap_rows
 from fsi.gluey.system import System

@@ -21,7 +21,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.rows import gram
 from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.interior_points import by_interior_points

@@ -24,8 +24,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.gaps import OVERLAP
+from fsi.case.gluey import ContactLaw
 from fsi.errors import SolveError
 from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.constraints import Rows, make_rows, solve_rows
@@ -109,7 +110,7 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
     found = _project_far_enough(system, state, free, h)
     contacts, rows, u = found.contacts, found.rows, found.impulses.u
     p, U = found.impulses.p[: len(contacts)], u.reshape(load.shape)
-    gamma = _memory(system, found.gamma, p)
+    gamma = _memory(system.law, found.gamma, p)
     if system.law.variant == "shifted":
         # what is left of p at an open gap is within the tolerance, and no memory
         rate = (rows.b + rows.J @ u)[: len(p)]
@@ -129,7 +130,7 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
     film = system.film(h)
     if film is not None:  # a gap that its places lose to rounding is positive
         contacts = replace(contacts, D=np.where(found.gamma < 0.0, film.gap(found.gamma), contacts.D))
-    return new, Touching(contacts, p, gamma, _solid(system, found.gamma, p)), checks
+    return new, Touching(contacts, p, gamma, _solid(system.law, found.gamma, p)), checks
 
 
 def _project_far_enough(system: System, state: GlueyState, free: Array, h: float) -> _Found:
@@ -186,7 +187,7 @@ def _project(system: System, state: GlueyState, contacts: Contacts, free: Array,
     program = Program(rows.J, rows.b, system.mass.ravel(), u_star)
     if film is None:
         mu_f = system.law.friction  # Coulomb's bound mu_f p_solid of each contact
-        impulses = solve_rows(rows, program, tolerance, lambda p: mu_f * _solid(system, gamma, p))
+        impulses = solve_rows(rows, program, tolerance, lambda p: mu_f * _solid(system.law, gamma, p))
     else:
         impulses = minimise(program, rows.p, film, tolerance)
     return _Found(contacts, gamma, rows, program, impulses, speed)
@@ -221,21 +222,23 @@ def _speed(system: System, U: Array) -> float:
 def _shift(system: System, gamma: Array, rows: Rows) -> Array:
     """The memory as impulses of all rows: that of the predictor."""
     shift = np.zeros(rows.J.shape[0])
-    if system.law.variant != "cone":
-        shift[: len(gamma)] = gamma
+    shift[: len(gamma)] = system.law.shift(gamma)
     return shift
 
 
-def _memory(system: System, gamma: Array, p: Array) -> Array:
+def _stored(law: ContactLaw, gamma: Array, p: Array) -> Array:
+    """What p leaves of the memory, without bounds: the predictor has taken the shift, p the rest."""
+    return gamma - law.shift(gamma) - p
+
+
+def _memory(law: ContactLaw, gamma: Array, p: Array) -> Array:
     """gamma^{n+1}."""
-    stored = -p if system.law.variant != "cone" else np.minimum(gamma - p, 0.0)
-    return np.maximum(stored, system.law.gamma_min)
+    return np.maximum(np.minimum(_stored(law, gamma, p), 0.0), law.gamma_min)
 
 
-def _solid(system: System, gamma: Array, p: Array) -> Array:
+def _solid(law: ContactLaw, gamma: Array, p: Array) -> Array:
     """The impulse of solid contact: what p stores beyond gamma_min."""
-    stored = -p if system.law.variant != "cone" else gamma - p
-    return np.maximum(system.law.gamma_min - stored, 0.0)
+    return np.maximum(law.gamma_min - _stored(law, gamma, p), 0.0)
 
 
 def _momentum_defect(system: System, U: Array, U_new: Array, load: Array, found: _Found) -> float:

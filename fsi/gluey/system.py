@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
-from fsi.bodies.configuration import Array, Configuration, turned
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, turned
 from fsi.bodies.forces import Bulk, between_bodies
 from fsi.case.case import Case
 from fsi.case.gluey import ContactLaw, Gluey
 from fsi.case.series import Table, is_zero, polynomial
 from fsi.gluey.contacts import Room
-from fsi.gluey.film import Film, Shape, gamma_over_eps
+from fsi.gluey.film import DiscFilm, Film, SphereFilm
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +42,9 @@ class System:
         room: walls and periods.
         impulse: `(t0, t1) -> int (F, T) dt` of the loads that depend on time alone, shape (N, modes).
         law: what happens where surfaces touch.
+        films: the kind of those between surfaces.
         held: what is prescribed; nothing if None.
         forces: F of the bodies at centres (N, d) and a time, shape (N, d); none if None.
-        film_shape: of the surfaces between which films are; by the dimension if None.
     """
 
     radii: Array
@@ -51,14 +52,13 @@ class System:
     room: Room
     impulse: Callable[[float, float], Array]
     law: ContactLaw
+    films: type[Film]
     held: Held | None = None
     forces: Callable[[Array, float], Array] | None = None
-    film_shape: Shape | None = None
 
     def film(self, h: float) -> Film | None:
         """What the rows answer in a step h: None in the limit, where gamma says it all."""
-        shape: Shape = self.film_shape or ("disc" if self.dimension == 2 else "sphere")
-        return Film(self.law.eps, self.law.delta0, h, shape) if self.law.variant == "film" else None
+        return self.films(self.law.eps, self.law.delta0, h) if self.law.variant == "film" else None
 
     def load(self, centres: Array, t0: float, t1: float) -> Array:
         """`int (F, T) dt` over a step, forces between bodies taken where it begins, shape (N, modes)."""
@@ -115,7 +115,7 @@ def gluey_system(case: Case) -> System:
     """What moves, and what acts on it."""
     q, mass, held = case.configuration(), _masses(case), case.held()
     loads = _integrals(case, [(body.loads, held[i]) for i, body in enumerate(case.bodies)])
-    bulk = Bulk.of(mass[:, 0], q.radii, spheres=case.spheres)
+    bulk = Bulk(mass[:, 0], case.bulk().volumes)
     weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
     gravities = [
         (heavy, [polynomial(part, case.timing.end).antiderivative() for part in acceleration])
@@ -129,17 +129,17 @@ def gluey_system(case: Case) -> System:
             load[:, : case.dimension] += np.where(held[:, : case.dimension], 0.0, heavy[:, None] * g)
         return load
 
-    shape: Shape = "sphere" if case.spheres else "disc"
-    law = _contact_law(case.gluey, shape)
-    return System(q.radii, mass, room(case), impulse, law, _held(case), _forces(case), shape)
+    films = SphereFilm if case.spheres else DiscFilm
+    law = _contact_law(case.gluey, films)
+    return System(q.radii, mass, room(case), impulse, law, films, _held(case), _forces(case))
 
 
-def _contact_law(gluey: Gluey, shape: Shape) -> ContactLaw:
+def _contact_law(gluey: Gluey, films: type[Film]) -> ContactLaw:
     """What happens where surfaces touch: solid contact with the memory of a film as thin as the roughness."""
     eps, delta0, roughness = gluey.eps or 0.0, gluey.reference_gap or 0.0, gluey.roughness
     least = -np.inf if gluey.gamma_min is None else gluey.gamma_min
     if roughness is not None:
-        least = eps * float(gamma_over_eps(np.array(roughness / delta0), shape))
+        least = eps * float(films.memory(np.array(roughness / delta0)))
     film = (eps, delta0) if gluey.variant == "film" else (0.0, 0.0)
     return ContactLaw(gluey.variant, least, gluey.friction, gluey.tangential, *film)
 
@@ -182,8 +182,7 @@ def _planes(case: Case) -> tuple[Array, Array]:
 def _masses(case: Case) -> Array:
     """m and I of each mode, those of uniform bodies where none are given, (N, M)."""
     q, d = case.configuration(), case.dimension
-    volumes = 4.0 / 3.0 * np.pi * q.radii**3 if case.spheres else np.pi * q.radii**2
-    masses = [body.mass for body in case.bodies]
+    masses, volumes = [body.mass for body in case.bodies], case.bulk().volumes
     m = np.array([case.gluey.density * V if m is None else m for m, V in zip(masses, volumes, strict=True)])
     uniform = (0.4 if case.spheres else 0.5) * m * q.radii**2
     moments = [body.moment_of_inertia for body in case.bodies]

@@ -6,7 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from fsi.bodies.configuration import MODES, Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import MODES, Configuration
 from fsi.integration.state import Instant, Model, Past, State, Trial, velocities
 
 # How many velocities the predictor takes, which is its order.

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 APART = 3.0  # ratio of the gaps that the law is taken from
 STEEPEST = 4.0  # |p| at most

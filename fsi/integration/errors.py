@@ -8,7 +8,8 @@ from typing import Self
 
 import numpy as np
 
-from fsi.bodies.configuration import LOADS, MODES, Array
+from fsi.arrays import Array
+from fsi.bodies.configuration import LOADS, MODES
 
 # Of velocities and loads by their number, 3 in the plane and 6 in space.
 NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}

@@ -67,7 +67,6 @@ class SteppedEvolution:
         stepper: makes the steps, with a model.
         names: of the bodies.
         q: where they begin.
-        first_step: the first step to try; one by the tolerance if None.
         estimated: true to estimate the discretisation error of each step.
         strayed: how far the bodies are from the exact motion; None where that is not followed.
     """
@@ -75,7 +74,6 @@ class SteppedEvolution:
     stepper: Advance
     names: Sequence[str]
     q: Configuration
-    first_step: float | None
     estimated: bool
     strayed: Strayed | None = None
 
@@ -86,7 +84,7 @@ class SteppedEvolution:
 
     def start(self) -> Moment:
         """The moment at time 0."""
-        return self._moment(self.stepper.start(self.q, self.first_step))
+        return self._moment(self.stepper.start(self.q))
 
     def advance(self, state: State) -> Moment:
         """One accepted step. Raises SolveError."""
@@ -108,8 +106,7 @@ class SteppedEvolution:
         columns = {**instant.record, **(errors.columns if errors else {})}
         columns |= order_columns(state.q, instant.U)
         columns |= {"strain": state.q.strain} if "shear_rate" in columns else {}
-        # Only some models know more of each body than velocity and load.
-        of_bodies = {**getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {})}
+        of_bodies = {**instant.body_columns, **(errors.body_columns if errors else {})}
         q, U, F, container = state.q, instant.U, instant.F, self.stepper.container
         if self.strayed and errors:
             self.strayed.follow(step, errors, self.stepper.model, container)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 
 def relaxing(arms: Array, change: Array, w: Array) -> tuple[Array, Array]:

@@ -6,11 +6,13 @@ One more scheme is one class: it satisfies `fsi.integration.state.Scheme` and st
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Protocol, cast
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia
+from fsi.errors import refuse_taken
 from fsi.integration.adams import Adams
 from fsi.integration.state import Instant, Model, Scheme, State, Trial, velocities
 from fsi.levels import VISCOUS
@@ -38,35 +40,38 @@ class SchemeKind:
     Attributes:
         name: what `time.scheme` calls it.
         order: the power of the step with which its error goes to zero.
-        make: the scheme for given bodies.
+        make: the scheme for given bodies; None where a model makes its steps itself.
         inertia: "none" of bodies, "some" (those with masses have it) or "all".
-        fixed: true where steps have the length `time.step`, false where the stepper chooses.
         models: the levels that it steps.
     """
 
     name: str
     order: int
-    make: Callable[[Beginning], Scheme]
+    make: Callable[[Beginning], Scheme] | None
     inertia: Literal["none", "some", "all"]
-    fixed: bool
     models: tuple[str, ...]
+
+    @property
+    def fixed(self) -> bool:
+        """True where steps have the length `time.step`, false where the stepper chooses."""
+        return self.make is None
 
 
 SCHEMES: dict[str, SchemeKind] = {}
 
 
 def register_scheme[T: Callable[[Beginning], Scheme]](
-    name: str,
-    order: int,
-    inertia: Literal["none", "some", "all"] = "none",
-    *,
-    fixed: bool = False,
-    models: tuple[str, ...] = VISCOUS,
+    name: str, order: int, inertia: Literal["none", "some", "all"] = "none"
 ) -> Callable[[T], T]:
-    """Put a scheme into the registry: a class, or a function, that makes it from a `Beginning`."""
+    """Put a scheme into the registry: a class, or a function, that makes it from a `Beginning`.
+
+    Raises ValueError: another one has its name.
+    """
 
     def register(make: T) -> T:
-        SCHEMES[name] = SchemeKind(name, order, make, inertia, fixed, models)
+        if name in SCHEMES:
+            refuse_taken(name, SCHEMES[name].make or SchemeKind, make)
+        SCHEMES[name] = SchemeKind(name, order, make, inertia, VISCOUS)
         return make
 
     return register
@@ -169,32 +174,6 @@ def _rates(model: Model, q: Configuration, displacement: Array, t: float) -> Arr
 register_scheme("bogacki-shampine", 3)(lambda _: BogackiShampine())
 register_scheme("adams", 4)(lambda _: Adams())
 
-
-class MarchingModel(Model, Protocol):
-    """A model that makes its steps itself, as the distances of its pairs are part of its state."""
-
-    def begin(self, q: Configuration, U: Array) -> Instant:
-        """The instant at time 0 with the velocities (N, M); the memory begins."""
-
-    def march(self, state: State, t_end: float) -> tuple[Configuration, Instant]:
-        """One step from `state` to `t_end`: where it ends, and the instant there."""
-
-
-@register_scheme("distance", 1, "all", fixed=True, models=("reduced",))
-@register_scheme("backward-euler", 1, "all", fixed=True, models=("reduced",))
-@dataclass(frozen=True, slots=True)
-class DistanceScheme:
-    """Steps of given length, of order 1: nothing is rejected, since stored gaps stay positive."""
-
-    beginning: Beginning
-    error_order: ClassVar[int] = 2
-
-    def start(self, model: Model, q: Configuration) -> tuple[Instant, Array]:
-        """The instant at time 0, and its velocities."""
-        instant = cast(MarchingModel, model).begin(q, self.beginning.U)
-        return instant, instant.U
-
-    def step(self, model: Model, state: State, t_end: float) -> Trial:
-        """One step, without an estimate of its error."""
-        q, instant = cast(MarchingModel, model).march(state, t_end)
-        return Trial(q, instant, np.zeros_like(instant.U))
+# Their pairs remember gaps, which only the model can step: `fsi.reduced.distance_stepper`.
+for _name in ("backward-euler", "distance"):
+    SCHEMES[_name] = SchemeKind(_name, 1, None, "all", ("reduced",))

@@ -16,7 +16,8 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia
 from fsi.integration.errors import StepErrors
 from fsi.meshes.geometry.container import Container
 
@@ -82,7 +83,7 @@ class Results(Protocol):
 
 
 class Measured(Results, Protocol):
-    """The same with the dissipation, and what only some flows have."""
+    """The same with the dissipation, and what only some flows have; or the errors of all that."""
 
     @property
     def dissipation(self) -> float:
@@ -92,21 +93,33 @@ class Measured(Results, Protocol):
     def apparent_viscosity(self) -> float | None:
         """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
 
+    @property
+    def wall_speeds(self) -> Mapping[str, float]:
+        """Along x, of the walls that a stress moves."""
 
-class Instant(Protocol):
+    @property
+    def shear_rate(self) -> float | None:
+        """Of a cell that a stress shears, else None."""
+
+    @property
+    def dp_dx(self) -> float | None:
+        """The mean pressure gradient along a channel whose net flux is given, else None."""
+
+    @property
+    def flux(self) -> float | None:
+        """The net flux along a channel whose mean pressure gradient is given, else None."""
+
+
+class Instant(Measured, Protocol):
     """What a model knows at one instant; U, F and `record` are the same on all ranks, to the last bit."""
-
-    @property
-    def U(self) -> Array:
-        """Velocities of the bodies, shape (N, M)."""
-
-    @property
-    def F(self) -> Array:
-        """`int sigma n` over each body: the external load in balance, shape (N, M)."""
 
     @property
     def record(self) -> Mapping[str, float]:
         """The model's columns of steps.csv; `cpu_*` are CPU seconds, the others deterministic."""
+
+    @property
+    def body_columns(self) -> Mapping[str, Array]:
+        """The model's columns of bodies.csv, (N,) each."""
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         """Write VTU files into the folder, all ranks together; unfinished ones have names with a leading dot.
@@ -119,13 +132,12 @@ class Instant(Protocol):
 def velocities(instant: Instant) -> Array:
     """What moves bodies and their images: U (N, M), and where a stress shears a lattice a row more.
 
-    That row begins with the rate; only models of a flow know one.
+    That row begins with the rate.
     """
-    rate = getattr(instant, "shear_rate", None)
-    if rate is None:
+    if instant.shear_rate is None:
         return instant.U
     of_lattice = np.zeros((1, instant.U.shape[1]))
-    of_lattice[0, 0] = rate
+    of_lattice[0, 0] = instant.shear_rate
     return np.concatenate([instant.U, of_lattice])
 
 
@@ -239,7 +251,7 @@ class Step:
 
 
 class Advance(Protocol):
-    """What a run needs of a stepper: `Stepper` chooses its steps, `FixedStepper` takes given ones."""
+    """What a run needs of a stepper: `Stepper` chooses its steps, that of stored gaps takes given ones."""
 
     @property
     def model(self) -> Model:
@@ -253,7 +265,7 @@ class Advance(Protocol):
     def schedule(self) -> Schedule:
         """The times to land on."""
 
-    def start(self, q: Configuration, first_step: float | None = None) -> Step:
+    def start(self, q: Configuration) -> Step:
         """The step of length 0 that begins a run."""
 
     def advance(self, state: State) -> Step:

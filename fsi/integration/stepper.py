@@ -1,7 +1,7 @@
 """Motion of the bodies in time, landing on the times that matter.
 
-`Stepper` chooses its steps by the error and by the gaps, `FixedStepper` takes given ones, `RefiningStepper`
-makes steps again with a finer model until their estimated error is below `discretisation.tolerance`.
+`Stepper` chooses its steps by the error and by the gaps, `RefiningStepper` makes steps again with a finer
+model until their estimated error is below `discretisation.tolerance`.
 """
 
 import math
@@ -13,7 +13,8 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia
 from fsi.bodies.feet import Feet
 from fsi.bodies.gaps import Gaps, find_gaps, nearest_gaps, pair_gaps, wall_gaps
 from fsi.errors import SolveError, apart
@@ -68,7 +69,8 @@ class Stepper:
 
     names: of the bodies; tolerance: error of a step's displacement relative to the smaller of the
     body's radius and its smallest gap, which is what lubrication feels, and of its angle in radians;
-    gap_loss: largest fraction that a gap may lose in a step, in (0, 1); smallest_step: a time.
+    gap_loss: largest fraction that a gap may lose in a step, in (0, 1); smallest_step: a time; first_step:
+    the first to try, one by the tolerance if None.
     """
 
     model: Model
@@ -79,11 +81,12 @@ class Stepper:
     tolerance: float
     gap_loss: float
     smallest_step: float
+    first_step: float | None = None
 
-    def start(self, q: Configuration, first_step: float | None = None) -> Step:
+    def start(self, q: Configuration) -> Step:
         """The step of length 0 that begins a run."""
         instant, U = self.scheme.start(self.model, q)
-        h = self._first_step(q, U) if first_step is None else first_step
+        h = self._first_step(q, U) if self.first_step is None else self.first_step
         return Step(State(0.0, 0, q, U, h), instant, 0.0, 0)
 
     def advance(self, state: State) -> Step:
@@ -197,30 +200,6 @@ class Stepper:
         return f"{sides[i]} and {'its own image' if i == j else sides[j]}"
 
 
-@dataclass(frozen=True, slots=True)
-class FixedStepper:
-    """Advances the bodies by steps of length h, longer or shorter to land on the times that matter."""
-
-    model: Model
-    scheme: Scheme
-    container: Container
-    schedule: Schedule
-    h: float
-
-    def start(self, q: Configuration, first_step: float | None = None) -> Step:  # noqa: ARG002
-        """The step of length 0 that begins a run; the length of all others is given."""
-        instant, U = self.scheme.start(self.model, q)
-        return Step(State(0.0, 0, q, U, self.h), instant, 0.0, 0)
-
-    def advance(self, state: State) -> Step:
-        """One step. Raises SolveError."""
-        t_end = self.schedule.landing(state.t, self.h)
-        trial = self.scheme.step(self.model, state, t_end)
-        U = velocities(trial.instant)
-        new = State(t_end, state.step + 1, trial.q, U, self.h, trial.past)
-        return Step(new, trial.instant, t_end - state.t, 0)
-
-
 # A step that is made again on finer meshes ends elsewhere, by about the error that it had.
 TRIES = 4
 
@@ -271,9 +250,9 @@ class RefiningStepper:
         """The times to land on."""
         return self.stepper.schedule
 
-    def start(self, q: Configuration, first_step: float | None = None) -> Step:
+    def start(self, q: Configuration) -> Step:
         """The step of length 0 that begins a run."""
-        return self._accurate(partial(self.stepper.start, q, first_step))
+        return self._accurate(partial(self.stepper.start, q))
 
     def advance(self, state: State) -> Step:
         """One accepted step, its error below the tolerance. Raises SolveError: that is out of reach."""

@@ -35,17 +35,18 @@ A gap s strays by |grad s . e|, and the time at which the run has it by that ove
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from math import inf, nan
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import LOADS, MODES, PLACES, Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import LOADS, MODES, PLACES, Configuration, Inertia, Motion
 from fsi.bodies.gaps import nearest_gaps
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.relaxing import mean, relaxing, shrunk
-from fsi.integration.state import Instant, Model, State, Step
+from fsi.integration.state import Model, State, Step
 from fsi.integration.strayed_angles import in_columns, places_of, turn_since, turned_along
 from fsi.meshes.geometry.container import Container
 
@@ -207,7 +208,7 @@ class Strayed:
             inertia = Inertia(self.masses / step.h, U - step.h * self.run[1] + scale * d)
         near, F = model(q.moved(scale * e), t, inertia), step.instant.F
         dU, dF = near.U - U, near.F - F
-        dD = _dissipation(near) - _dissipation(step.instant) - 2.0 * float((F * dU).sum())
+        dD = near.dissipation - step.instant.dissipation - 2.0 * float((F * dU).sum())
         return _Change(dU / scale, dF / scale, dD / scale)
 
     def columns(self, state: State, container: Container) -> Mapping[str, float]:
@@ -250,11 +251,6 @@ class Strayed:
     def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `memory` gave."""
         self.e, self.d, self.run, self.last = memory["strayed"]
-
-
-def _dissipation(instant: Instant) -> float:
-    """Not a number of a model that does not know it."""
-    return float(getattr(instant, "dissipation", nan))
 
 
 def _bars(arms: Array, distances: Array) -> Array:

@@ -6,7 +6,8 @@ as well: e' = omega x e. Distances are of the exact places from those of a run, 
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.rotations import turn_between, turned
 
 

@@ -31,10 +31,12 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.bodies.configuration import MODES as MODES_OF_BODY
-from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, pair_gaps, wall_gaps
 from fsi.bodies.opened import lubricating
+from fsi.bodies.records import joined, those
 from fsi.errors import SolveError
 from fsi.lubrication import sliding_spheres
 from fsi.lubrication.expansions import EXPONENTS, MODES, Mode, Shape
@@ -120,8 +122,7 @@ class OpenedGaps:
             for q, meshed in ((self.q, False), (self.meshed, True))
             for part in self._rows(near, *sides(near, q), meshed)
         ]
-        names = PairRates.__slots__
-        return PairRates(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+        return joined(parts)
 
     def _between(self) -> NearPairs:
         """Pairs of bodies of which one is displaced against the other."""
@@ -130,7 +131,7 @@ class OpenedGaps:
         i, j = found.pairs.T
         weight = _weight(found.pair_gaps, a[i] * a[j] / (a[i] + a[j]))
         near = NearPairs(found.pairs, np.full(len(i), -1), found.away, weight)
-        return _those(near, (weight > 0.0) & np.any(x[i] != x[j], axis=1))
+        return those(near, (weight > 0.0) & np.any(x[i] != x[j], axis=1))
 
     def _beside(self) -> NearPairs:
         """Bodies beside walls that are displaced. Raises SolveError: no law is known of one."""
@@ -150,7 +151,7 @@ class OpenedGaps:
         reach = np.maximum(np.minimum(a_r, from_middle), self.below / FULL)
         weight, moved = _weight(gap, reach), np.any(self.meshed.centres != self.q.centres, axis=1)
         near = NearPairs(np.stack([i, i], axis=1), wall, np.zeros((len(i), self.q.dimension)), weight)
-        return _those(near, (weight > 0.0) & moved[i] & ~curved)
+        return those(near, (weight > 0.0) & moved[i] & ~curved)
 
     def _of_walls(
         self, q: Configuration, i: NDArray[np.intp], wall: NDArray[np.intp]
@@ -160,13 +161,9 @@ class OpenedGaps:
         The middle of a plane is at infinity.
         """
         n = self.container.normals(q.centres)[i, wall] if len(i) else np.zeros((0, q.dimension))
-        gap, a = wall_gaps(q, self.container)[i, wall], q.radii[i]
-        a_r, from_middle = a.copy(), np.full(len(i), inf)
-        for k, each in enumerate(wall):
-            if (sphere := self.container.spheres[each]) is not None:
-                a_r[k] = a[k] * sphere.radius / (sphere.radius - a[k])
-                from_middle[k] = sphere.radius - a[k] - gap[k]
-        return n, from_middle, a_r
+        gap, a_r = (f[i, wall] for f in (wall_gaps(q, self.container), self.container.reduced_radii(q.radii)))
+        R = np.array([inf if sphere is None else sphere.radius for sphere in self.container.spheres])
+        return n, R[wall] - q.radii[i] - gap, a_r
 
     def _sides_between(self, near: NearPairs, q: Configuration) -> tuple[Nearby, Array, Array]:
         """How the bodies stand at q; the lattice vectors, and from centre to centre, (P, d)."""
@@ -271,7 +268,3 @@ def _weight(gap: Array, a_r: Array) -> Array:
     """1 up to FULL a_r, 0 from a_r on."""
     weight: Array = np.clip((1.0 - gap / a_r) / (1.0 - FULL), 0.0, 1.0)
     return weight
-
-
-def _those(near: NearPairs, which: NDArray[np.bool_]) -> NearPairs:
-    return NearPairs(*(getattr(near, name)[which] for name in NearPairs.__slots__))

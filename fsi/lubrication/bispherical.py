@@ -27,9 +27,8 @@ from math import ceil, factorial, log2
 
 import numpy as np
 import scipy  # its modules load when they are used
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fsi.arrays import Array
 
 # tail(z) = z^3 sum_k z^k / (k + 3)!; sixteen terms give 16 digits up to |z| = 1.
 _TAIL_SERIES = np.array([1.0 / factorial(k + 3) for k in range(16)])

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.lubrication.exact import Array
+from fsi.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,8 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fsi.lubrication.exact import Array, bipolar_angle, less_tanh
+from fsi.arrays import Array
+from fsi.lubrication.exact import bipolar_angle, less_tanh
 from fsi.lubrication.expansions import Mode, overlap_of
 from fsi.lubrication.profiles import distinct
 from fsi.lubrication.two_discs import rolling, sliding

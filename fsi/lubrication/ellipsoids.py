@@ -16,7 +16,7 @@ F and T are EXTERNAL loads. Relative error: some 1e-15.
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.lubrication.exact import Array
+from fsi.arrays import Array
 
 
 def _integrals(axes: Array) -> tuple[float, Array]:

@@ -19,11 +19,10 @@ without net force (tests compare both with independent high-precision values).
 from math import factorial, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fsi.arrays import Array
 from fsi.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 class NotPositiveError(InputError, ValueError):

@@ -12,12 +12,13 @@ from typing import Literal
 
 import numpy as np
 
+from fsi.arrays import Array
+from fsi.errors import refuse_taken
 from fsi.lubrication import ellipsoids, exact, spheres
 from fsi.lubrication import sphere_beside_plane as beside
 from fsi.lubrication import spheres_in_shear as pair_in_shear
 from fsi.lubrication import two_spheres as pair
 from fsi.lubrication.concentric import Concentric
-from fsi.lubrication.exact import Array
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 
 # A ball that is so many times as far as spheres reach leaves out 1e-3 of their largest loads.
@@ -122,9 +123,11 @@ EXACT: dict[str, ExactResult] = {}
 
 
 def exact_result[F: Callable[[ExactProblem], float]](fitting: Fitting) -> Callable[[F], F]:
-    """Enter a function, by its own name."""
+    """Enter a function, by its own name. Raises ValueError: another one has it."""
 
     def enter(value: F) -> F:
+        if value.__name__ in EXACT:
+            refuse_taken(value.__name__, EXACT[value.__name__].value, value)
         EXACT[value.__name__] = ExactResult(value, fitting)
         return value
 

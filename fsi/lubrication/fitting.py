@@ -20,7 +20,8 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.lubrication.profiles import Array, Term
+from fsi.arrays import Array
+from fsi.lubrication.profiles import Term
 
 CONFIDENCE = 1.959963984540054  # standard deviations of a 95 % interval
 CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is believed

@@ -15,6 +15,10 @@ Where the pair is confined, what surroundings add is analytic in s, and s and s^
 
 m is that for which the fit of `fsi.lubrication.fitting` is best, and its error enters those of the
 coefficients through dK/dm.
+
+The natural length of a film is not that by which gaps are given: of an oblique ellipse it is far below half
+its axes. In units of it all coefficients are of the size of c_1, so that a length l times as long as it makes
+that of a power p some l^(p + m) c_1. A first fit tells l by c_2 and c_3.
 """
 
 from dataclasses import dataclass
@@ -22,8 +26,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its modules load when they are used
 
+from fsi.arrays import Array
 from fsi.lubrication.fitting import Fit, believable, design, regression
-from fsi.lubrication.profiles import Array, Term
+from fsi.lubrication.profiles import Term
 
 FREE = 3  # of the terms, the first ones, have no prior
 NATURAL = 10.0  # size of the others over c_1: of tips c_2 and c_3 come to eight times that
@@ -53,9 +58,19 @@ class FreeSeries:
         """d power / dm of each, (k,)."""
         return np.array([*self.ratios, *(0.0 for _ in self.others)])
 
-    def widths(self, m: float, s: Array, K: Array) -> Array:
-        """Of the later coefficients, by the c_1 that the first sample has."""
-        return np.full(len(self.slopes) - FREE, NATURAL * float(K[0] * s[0] ** m))
+    def lengths(self, m: float, c: Array) -> float:
+        """l, by coefficients without a prior."""
+        size = np.abs(c[1:FREE] / c[0]) ** (1.0 / self._rises(m)[1:FREE])
+        return float(size.max())
+
+    def widths(self, m: float, s: Array, K: Array, lengths: float = 1.0) -> Array:
+        """Of the later coefficients, by the c_1 that the first sample has and by l."""
+        of_first = float(K[0] * s[0] ** m)
+        return of_first * np.maximum(NATURAL, lengths ** self._rises(m)[FREE:])
+
+    def _rises(self, m: float) -> Array:
+        """p + m of each term, (k,)."""
+        return np.array([term.power + m for term in self.terms(m)])
 
     def confined(self) -> "FreeSeries":
         """With what surroundings add, which is analytic in s: s and s^2, as the constant is there."""
@@ -75,12 +90,15 @@ def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -
     if len(s) <= FREE + 1 or np.any(np.diff(s) <= 0.0):
         raise ValueError(f"{len(s)} samples: a fit needs more than {FREE + 1}, at increasing gaps")
     for n in range(len(s), FREE + 1, -1):
-        m, misfit = _best(series, s[:n], K[:n], bars[:n])
+        samples = s[:n], K[:n], bars[:n]
+        m, _ = _best(series, *samples)
+        lengths = series.lengths(m, _coefficients(series, m, *samples)[0])
+        m, misfit = _best(series, *samples, lengths)
         if believable(misfit, n - FREE - 1):
             break
-    terms, widths = series.terms(m), series.widths(m, s, K)
+    terms, widths = series.terms(m), series.widths(m, s, K, lengths)
     phi = design(terms, s)
-    c, _, _ = regression(phi[:n], K[:n], bars[:n], widths)
+    c, _ = _coefficients(series, m, *samples, lengths)
     slope = (phi[:n] * c * series.slopes).sum(axis=1) * np.log(s[:n])
     columns = np.column_stack([slope, phi[:n]])  # what has no prior comes first
     _, every, _ = regression(columns, K[:n], bars[:n], widths)
@@ -90,11 +108,19 @@ def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -
     )  # fmt: skip
 
 
-def _best(series: FreeSeries, s: Array, K: Array, bars: Array) -> tuple[float, float]:
+def _coefficients(
+    series: FreeSeries, m: float, s: Array, K: Array, bars: Array, lengths: float = 1.0
+) -> tuple[Array, float]:
+    """Those of this m, and their misfit."""
+    c, _, misfit = regression(design(series.terms(m), s), K, bars, series.widths(m, s, K, lengths))
+    return c, misfit
+
+
+def _best(series: FreeSeries, s: Array, K: Array, bars: Array, lengths: float = 1.0) -> tuple[float, float]:
     """The m of the smallest misfit whose first term leads, and that."""
 
     def misfit(m: float) -> float:
-        c, _, found = regression(design(series.terms(m), s), K, bars, series.widths(m, s, K))
+        c, found = _coefficients(series, m, s, K, bars, lengths)
         return found if c[0] * s[0] ** -m >= LEADS * K[0] else np.inf
 
     tried = np.linspace(LEAST, MOST, PIECES)

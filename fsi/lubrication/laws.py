@@ -16,8 +16,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fsi.arrays import Array
 from fsi.errors import InputError
-from fsi.lubrication.profiles import Array, Profile, distinct
+from fsi.lubrication.profiles import Profile, distinct
 
 # Of the ends of a range: gaps are differences, and those that were meant to be at an end may be beyond it.
 ROUNDING = 1e-9

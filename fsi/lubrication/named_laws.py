@@ -12,12 +12,14 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fsi.arrays import Array
+from fsi.errors import refuse_taken
 from fsi.lubrication import sphere_beside_plane, spheres
 from fsi.lubrication.disc_profiles import disc_profile
 from fsi.lubrication.exact import gap_ratio
 from fsi.lubrication.expansions import EXPONENTS, MODES, Mode, Shape, expansion
 from fsi.lubrication.laws import LubricationLaw, ScaledLaw
-from fsi.lubrication.profiles import Array, Profile, Series, TabulatedProfile, Term
+from fsi.lubrication.profiles import Profile, Series, TabulatedProfile, Term
 
 # A spline of degree 5 through so many points per factor of ten is good to 1e-9 (see the tests).
 _POINTS = 30
@@ -82,9 +84,11 @@ def named[F: Callable[[GapFilm], LubricationLaw]](
     modes: tuple[Mode, ...] = ("squeeze",),
     closed: tuple[Shape, ...] = (),
 ) -> Callable[[F], F]:
-    """Enter a law under a name."""
+    """Enter a law under a name. Raises ValueError: another law has it."""
 
     def enter(law: F) -> F:
+        if name in LAWS:
+            refuse_taken(name, LAWS[name].of, law)
         LAWS[name] = NamedLaw(law, any_shape, any_ratio, modes, closed)
         return law
 

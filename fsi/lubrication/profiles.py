@@ -7,9 +7,9 @@ from typing import Protocol
 
 import numpy as np
 import scipy  # its modules load when they are used
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from fsi.arrays import Array
 
 # Of each interval between points; there K is the exponential of a polynomial of low degree.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)

@@ -31,7 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.lubrication.expansions import Mode
 
 # c of a sphere beside a wall; that of a disc is 0.

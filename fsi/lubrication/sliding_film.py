@@ -22,7 +22,7 @@ Both grow as the friction does and are b/a times it, so that at small gaps F / U
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fsi.lubrication.exact import Array
+from fsi.arrays import Array
 
 
 def sphere_resistance(gap: ArrayLike, radius: float, slip: float, viscosity: float) -> Array:

@@ -22,8 +22,8 @@ from math import inf, pi
 
 import numpy as np
 
+from fsi.arrays import Array
 from fsi.lubrication import sphere_beside_plane
-from fsi.lubrication.exact import Array
 from fsi.lubrication.expansions import Mode, basis, expansion
 from fsi.lubrication.profiles import Series, Term
 from fsi.lubrication.two_spheres import pair_matrix

@@ -31,7 +31,8 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import ArrayLike
 
-from fsi.lubrication.exact import Array, bipolar_angle, gap_ratio, less_tanh
+from fsi.arrays import Array
+from fsi.lubrication.exact import bipolar_angle, gap_ratio, less_tanh
 
 _SMALLEST = 1e-10
 _DECAY = 22.0  # modes up to z = 22: the terms fall off like e^(-2 z)

@@ -23,8 +23,9 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import ArrayLike
 
+from fsi.arrays import Array
 from fsi.lubrication.bispherical import sum_common, sum_cross, sum_self
-from fsi.lubrication.exact import Array, bipolar_angle, gap_ratio
+from fsi.lubrication.exact import bipolar_angle, gap_ratio
 
 type Both = tuple[ArrayLike, ArrayLike]  # of the first sphere and of the second
 

@@ -28,7 +28,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.lubrication.exact import Array
+from fsi.arrays import Array
 from fsi.lubrication.two_spheres import blocks_across, couplings, orders
 
 TOLERANCE = 1e-7  # of trajectories

@@ -41,7 +41,8 @@ plane.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fsi.lubrication.exact import Array, bipolar_angle, gap_ratio
+from fsi.arrays import Array
+from fsi.lubrication.exact import bipolar_angle, gap_ratio
 
 
 def sliding_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, viscosity: ArrayLike) -> Array:

@@ -33,7 +33,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.lubrication.exact import Array, bipolar_angle
+from fsi.arrays import Array
+from fsi.lubrication.exact import bipolar_angle
 from fsi.lubrication.spheres import line_forces
 
 MOST = 1000  # multipoles, whose matrix takes 130 MB; equal spheres reach it at q / a = 4e-4

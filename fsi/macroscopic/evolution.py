@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.case.checks.macroscopic import line_of, past_walls
 from fsi.case.macroscopic import evaluate

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 type Force = Callable[[Array, Array, float], Array]
 

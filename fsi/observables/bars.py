@@ -6,23 +6,23 @@ several causes the bounds of each add up.
 """
 
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from math import inf, nan
-from typing import Any
+from math import inf
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.bodies.gaps import find_gaps
 from fsi.bodies.surface_gap import narrowest_gap
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StepErrors, StressErrors
-from fsi.integration.state import Results
+from fsi.integration.state import Measured, Results
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.quantities import found_flux, found_gradient
 from fsi.observables.resistance import KNOWN_TO
 from fsi.observables.truncation import ROUNDING, flow_scales, relative_change, rounded_dissipation
 
@@ -53,6 +53,14 @@ def motion_of(case: Case, q: Configuration, t: float, instant: Results) -> Motio
     return Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))
 
 
+class FlowResults(Measured, Protocol):
+    """Results of a flow."""
+
+    @property
+    def bulk(self) -> BulkStress | None:
+        """The mean stress of a periodic flow, else None."""
+
+
 @dataclass(frozen=True, slots=True)
 class Compared:
     """The same instant computed otherwise.
@@ -64,13 +72,13 @@ class Compared:
         chance_of_stress: the same of stresses and stresslets.
     """
 
-    results: Results
+    results: FlowResults
     factor: float
     chance: float = KNOWN_TO
     chance_of_stress: float = KNOWN_TO
 
 
-def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> StepErrors:
+def step_errors(bodies: DrivenBodies, results: FlowResults, *others: Compared) -> StepErrors:
     """Estimated errors of results from one or more others, whose bounds add up."""
     case, motion, arms = bodies.case, bodies.motion, bodies.q.arms
     scales = flow_scales(case, bodies.t)
@@ -81,19 +89,19 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     error = rounding * units + sum(_bound(each, results, computed, units) for each in others)
     error[0] += turned_by_rounding(bodies, results)
     U, F = np.where(computed, error, 0.0)
-    lost = getattr(results, "dissipation", nan)
-    off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
+    lost = results.dissipation
+    off = [each.factor * abs(lost - each.results.dissipation) for each in others]
     dissipation = max(sum(off), rounding * lost)  # nan of an infinite one
     every = (_of_viscosity(results, each) for each in others)
     of_viscosity = [part for part in every if part is not None]
     viscosity = sum(of_viscosity) if of_viscosity else None
     of_stress = [part for each in others if (part := _of_stress(results, each)) is not None]
     stress = reduce(operator.add, of_stress) if of_stress else None
-    if stress is not None and (bulk := _bulk(results)) is not None and bulk.in_gaps is not None:
+    if stress is not None and (bulk := results.bulk) is not None and bulk.in_gaps is not None:
         stress += bulk.error_in_gaps
     errors = ErrorEstimate(U, F, dissipation, viscosity, stress, *_of_driven(results, others))
     relative = relative_change(results, errors, motion.held, arms, scales)
-    mu = getattr(results, "apparent_viscosity", None)
+    mu = results.apparent_viscosity
     if mu is not None and viscosity is not None:
         relative["viscosity"] = viscosity / abs(mu)
     if not len(bodies.q) and rounded_dissipation(case, bodies.t) < lost < inf:  # nothing else tells of it
@@ -150,38 +158,34 @@ def _bound(other: Compared, results: Results, computed: NDArray[np.bool_], units
     return bound
 
 
-def _bulk(results: Results) -> BulkStress | None:
-    """The stress of a periodic flow; only models of a flow know it."""
-    bulk: BulkStress | None = getattr(results, "bulk", None)
-    return bulk
-
-
-def _of_viscosity(results: Results, other: Compared) -> float | None:
+def _of_viscosity(results: FlowResults, other: Compared) -> float | None:
     """The same for the apparent viscosity of a periodic flow, not a number at instants without one."""
-    if (bulk := _bulk(results)) is None or (of_other := _bulk(other.results)) is None:
+    if (bulk := results.bulk) is None or (of_other := other.results.bulk) is None:
         return None
     return bulk.viscosity_error(of_other, other.factor, other.chance_of_stress, ROUNDING)
 
 
 def _of_driven(
-    results: Results, others: Sequence[Compared]
+    results: Measured, others: Sequence[Compared]
 ) -> tuple[Mapping[str, float], float | None, float | None, float | None]:
     """The sum for speeds of walls and the rate of shear by a stress, dp/dx by a flux, and a flux."""
 
-    def bound(name: str, value_in: Callable[[Any], float]) -> float:
-        value = value_in(getattr(results, name))
-        off = (each.factor * abs(value - value_in(getattr(each.results, name))) for each in others)
+    def bound(value: float, of_others: Iterable[float | None]) -> float:
+        known = [other for other in of_others if other is not None]  # all of them, of the same flow
+        off = (each.factor * abs(value - other) for each, other in zip(others, known, strict=True))
         return max(sum(off), ROUNDING * abs(value))
 
-    walls = getattr(results, "wall_speeds", {})
-    of_walls = {wall: bound("wall_speeds", operator.itemgetter(wall)) for wall in walls}
-    of_cell = None if getattr(results, "shear_rate", None) is None else bound("shear_rate", float)
-    of_gradient = None if found_gradient(results) is None else bound("dp_dx", float)
-    return of_walls, of_cell, of_gradient, None if found_flux(results) is None else bound("flux", float)
+    flows, speeds = [each.results for each in others], results.wall_speeds
+    of_walls = {wall: bound(speeds[wall], (flow.wall_speeds[wall] for flow in flows)) for wall in speeds}
+    rate, dp_dx, flux = results.shear_rate, results.dp_dx, results.flux
+    of_cell = None if rate is None else bound(rate, (flow.shear_rate for flow in flows))
+    of_gradient = None if dp_dx is None else bound(dp_dx, (flow.dp_dx for flow in flows))
+    of_flux = None if flux is None else bound(flux, (flow.flux for flow in flows))
+    return of_walls, of_cell, of_gradient, of_flux
 
 
-def _of_stress(results: Results, other: Compared) -> StressErrors | None:
+def _of_stress(results: FlowResults, other: Compared) -> StressErrors | None:
     """The same for the stress of a periodic flow."""
-    if (bulk := _bulk(results)) is None or (of_other := _bulk(other.results)) is None:
+    if (bulk := results.bulk) is None or (of_other := other.results.bulk) is None:
         return None
     return bulk.errors(of_other, other.factor, other.chance_of_stress, ROUNDING)

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.integration.errors import StressErrors, components
 
 

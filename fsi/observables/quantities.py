@@ -1,12 +1,9 @@
 """Numbers of a solved case by the names that [[expected]] rows and `fsi search` give them."""
 
-from collections.abc import Mapping
-from typing import Protocol, cast
-
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, SHEAR_RATE, TIME_AT_GAP, WALL_SPEED
 from fsi.errors import InputError
@@ -20,8 +17,8 @@ def computed(case: Case, results: Measured, quantity: str) -> float:
     if quantity == APPARENT_VISCOSITY:
         return float("nan") if results.apparent_viscosity is None else results.apparent_viscosity
     if quantity in (SHEAR_RATE, WALL_SPEED):
-        # Only a model that a stress moves gives these, and the case was checked for that.
-        return stress_driven(cast(Driven, results))[stress_column(case, quantity)]
+        # Only what a stress moves has these, and the case was checked for that.
+        return stress_driven(results)[stress_column(case, quantity)]
     body, mode = component(case, quantity)
     values = results.U if quantity.split(".")[1] in ("velocity", "angular_velocity") else -results.F
     return float(values[body, mode])
@@ -37,38 +34,10 @@ def component(case: Case, quantity: str) -> tuple[int, int]:
     return body, turning + "xyz".index(axis[0])
 
 
-class Driven(Protocol):
-    """What a stress moves, or the errors of that."""
-
-    @property
-    def wall_speeds(self) -> Mapping[str, float]:
-        """Along x, of the walls that a stress moves."""
-
-    @property
-    def shear_rate(self) -> float | None:
-        """Of a cell that a stress shears, else None."""
-
-
-def found_gradient(results: object) -> float | None:
-    """dp/dx of a channel whose net flux is given, or its error, else None; only models of a flow know it."""
-    dp_dx: float | None = getattr(results, "dp_dx", None)
-    return dp_dx
-
-
-def found_flux(results: object) -> float | None:
-    """The net flux of a channel whose mean dp/dx is given, or its error, else None; as `found_gradient`."""
-    flux: float | None = getattr(results, "flux", None)
-    return flux
-
-
-def stress_driven(driven: Driven) -> dict[str, float]:
+def stress_driven(found: Measured) -> dict[str, float]:
     """Columns of steps.csv: speeds of walls and the rate of shear by a stress, dp/dx by a flux, or a flux."""
-    columns = {f"speed_{wall}": speed for wall, speed in driven.wall_speeds.items()}
-    others = {
-        "shear_rate": driven.shear_rate,
-        "pressure_gradient": found_gradient(driven),
-        "flux": found_flux(driven),
-    }
+    columns = {f"speed_{wall}": speed for wall, speed in found.wall_speeds.items()}
+    others = {"shear_rate": found.shear_rate, "pressure_gradient": found.dp_dx, "flux": found.flux}
     return columns | {name: value for name, value in others.items() if value is not None}
 
 

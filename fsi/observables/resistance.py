@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.bodies.configuration import LOADS, MODES, Array, arms
+from fsi.arrays import Array
+from fsi.bodies.configuration import LOADS, MODES, arms
 from fsi.errors import RefusedError, apart
 
 BOUND = 1e-9

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work
 from fsi.case.load import parse_case
@@ -46,6 +46,7 @@ class SolvedFlow:
         jumps: the walls with different velocities that meet, by their names.
         wall_speeds: along x, of the walls that a stress moves.
         shear_rate: of a cell that a stress shears, else None.
+        flux: of fluid and bodies along a channel whose mean pressure gradient is given, else None.
         law_dissipation: what of it the laws below a gap have; None without such laws.
         slip_dissipation: (mu / b) int |slip|^2 over the surfaces along which fluid slides; None without any.
     """
@@ -63,6 +64,7 @@ class SolvedFlow:
     jumps: tuple[tuple[str, str], ...]
     wall_speeds: Mapping[str, float] = field(default_factory=dict, kw_only=True)
     shear_rate: float | None = field(default=None, kw_only=True)
+    flux: float | None = field(default=None, kw_only=True)
     slip_dissipation: float | None = field(default=None, kw_only=True)
     law_dissipation: float | None = field(default=None, kw_only=True)
 
@@ -70,6 +72,11 @@ class SolvedFlow:
     def mesh_instead(self) -> str:
         """The size that was taken as those of the case gave no valid mesh, "" where they did."""
         return ""
+
+    @property
+    def dp_dx(self) -> float | None:
+        """The mean pressure gradient along a channel whose net flux is given, else None."""
+        return None
 
     @property
     def apparent_viscosity(self) -> float | None:

@@ -12,12 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.case.sections import EDGE_MODES
 from fsi.errors import SolveError
 from fsi.pores.assembly import tabulated
 from fsi.pores.forms import applied
-from fsi.pores.pattern import Index
 from fsi.pores.solve import PoreDrive, PoreFlow, solve_pores
 from fsi.pores.system import PoreSystem
 
@@ -74,7 +73,7 @@ def padded(coarse: PoreFlow, finer: PoreSystem) -> Array:
     return x
 
 
-def more(modes: Index) -> Index:
+def more(modes: Indices) -> Indices:
     """Numbers of modes that tell the error of these; the most there are stay."""
     return tabulated(lambda k: TELLING.get(k, k), modes)
 
@@ -84,7 +83,7 @@ def finer(modes: int) -> int | None:
     return min((more for more in EDGE_MODES if more > modes), default=None)
 
 
-def refined(modes: Index) -> Index:
+def refined(modes: Indices) -> Indices:
     """The next numbers of modes, up to MOST_TOLD."""
     return np.minimum(tabulated(lambda k: finer(k) or k, modes), MOST_TOLD)
 
@@ -117,7 +116,7 @@ def adapt(system: PoreSystem, drive: PoreDrive, tolerance: float) -> ComparedFlo
         system = system.with_modes(modes)
 
 
-def _marked(pair: ComparedFlows, system: PoreSystem) -> Index:
+def _marked(pair: ComparedFlows, system: PoreSystem) -> Indices:
     """Which necks bound the fewest pores that hold most of the excess, (K,)."""
     excess = pair.excess
     order = np.argsort(-excess)

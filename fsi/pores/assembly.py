@@ -9,14 +9,14 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.machine.threads import in_turn
 from fsi.pores.forms import PoreForms, pore_forms
 from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.narrow import Ties, functions_of, narrow_necks, ties_of
 from fsi.pores.orders import KNOTS, RIGID, STRAINED, TIED, Orders, numbers_of
-from fsi.pores.pattern import Index, add_forms, pattern_of
+from fsi.pores.pattern import add_forms, pattern_of
 from fsi.pores.pore_data import gathering
 from fsi.pores.quadrature import Rule
 from fsi.pores.regions import PoreShapes
@@ -44,10 +44,10 @@ class Numbering:
         narrow: which necks are narrow, (K,).
     """
 
-    surface: Index
-    neck: Index
-    order: Index
-    knots: Index
+    surface: Indices
+    neck: Indices
+    order: Indices
+    knots: Indices
     narrow: NDArray[np.bool_]
 
     @property
@@ -56,7 +56,7 @@ class Numbering:
         return int(self.neck[-1])
 
     @property
-    def modes(self) -> Index:
+    def modes(self) -> Indices:
         """How many modes each neck has, (K,)."""
         return np.diff(self.neck) - self.knots - TIED * self.narrow
 
@@ -74,8 +74,8 @@ class Batch:
         ties: constraints of narrow necks.
     """
 
-    pore: Index
-    unknown: Index
+    pore: Indices
+    unknown: Indices
     orders: Orders
     rule: Rule
     forms: PoreForms
@@ -98,8 +98,8 @@ class FluidForms:
         per_area: 1 over the square of their radii, (n,).
     """
 
-    disc: Index
-    unknown: Index
+    disc: Indices
+    unknown: Indices
     K: Array
     per_area: Array
 
@@ -136,7 +136,7 @@ class Assembly:
         return found
 
 
-def number(pores: Pores, modes: Index) -> Numbering:
+def number(pores: Pores, modes: Indices) -> Numbering:
     """The unknowns when necks have these numbers of modes, (K,)."""
     most = np.zeros(len(pores.surfaces), np.int64)
     np.maximum.at(most, pores.necks, modes[:, None])
@@ -151,12 +151,12 @@ def number(pores: Pores, modes: Index) -> Numbering:
     return Numbering(surface, neck, order, knots, narrow)
 
 
-def tabulated(function: Callable[[int], int], at: Index) -> Index:
+def tabulated(function: Callable[[int], int], at: Indices) -> Indices:
     """A function of small numbers."""
     return np.array([function(k) for k in range(int(at.max(initial=0)) + 1)])[at]
 
 
-def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
+def assemble(pores: Pores, shapes: PoreShapes, modes: Indices) -> Assembly:
     """K where necks have these numbers of modes; a pore is as fine as its finest neck."""
     numbering = number(pores, modes)
     necks = np.where(pores.sides >= 0, len(pores.surfaces) + pores.sides, -1)
@@ -176,7 +176,7 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
 class Part(NamedTuple):
     """Pores of the same orders: which, the functions that they have, and their points of quadrature."""
 
-    pore: Index
+    pore: Indices
     orders: Orders
     rule: Rule
 
@@ -214,14 +214,14 @@ def _parts(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[P
             yield Part(some, orders, rule)
 
 
-def _batch(pores: Pores, shapes: PoreShapes, numbering: Numbering, rows: Index, part: Part) -> Batch:
+def _batch(pores: Pores, shapes: PoreShapes, numbering: Numbering, rows: Indices, part: Part) -> Batch:
     some, orders, rule = part
     own = shapes.of(some)
     forms, ties = pore_forms(own, rule, orders), ties_of(own, orders, rows[some])
     return Batch(some, _unknowns(pores, some, orders, numbering), orders, rule, forms, ties)
 
 
-def _rows_of_ties(pores: Pores, numbering: Numbering) -> Index:
+def _rows_of_ties(pores: Pores, numbering: Numbering) -> Indices:
     """First row of the constraints that each side of each pore tells, (E, 3): once each; -1 for none."""
     rows = np.full(pores.sides.size, -1)
     neck, place = np.unique(pores.sides.ravel(), return_index=True)
@@ -246,12 +246,12 @@ def _constraints(batches: Sequence[Batch], numbering: Numbering) -> sp.csr_matri
     return B
 
 
-def _three(numbers: Index) -> tuple[int, int, int]:
+def _three(numbers: Indices) -> tuple[int, int, int]:
     first, second, third = numbers.tolist()
     return first, second, third
 
 
-def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering) -> Index:
+def _unknowns(pores: Pores, chosen: Indices, orders: Orders, numbering: Numbering) -> Indices:
     """The unknowns of the shared functions of pores, (n, m)."""
     parts = []
     for v in range(3):

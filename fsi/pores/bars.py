@@ -10,9 +10,9 @@ many modes come in pairs, and narrow necks gain little from some. With the most 
 
 import numpy as np
 
+from fsi.arrays import Indices
 from fsi.case.sections import EDGE_MODES
 from fsi.pores.adapt import TELLING, more
-from fsi.pores.pattern import Index
 from fsi.pores.system import PoreSystem
 
 SAFETY, CHANCE = 1.5, 0.1
@@ -29,7 +29,7 @@ def bar_factor(modes: int) -> float:
     return SAFETY if modes < _MOST else 1.0
 
 
-def other_modes(system: PoreSystem) -> tuple[Index, float]:
+def other_modes(system: PoreSystem) -> tuple[Indices, float]:
     """Other modes, (K,), and what makes the difference from a flow with them a bound of the error."""
     modes = system.assembly.numbering.modes
     others = more(modes)

@@ -10,12 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.machine.compiled import compiled, internal, vectorised
 from fsi.pores.assembly import Batch
 from fsi.pores.forms import applied
 from fsi.pores.orders import numbers_of
-from fsi.pores.pattern import Index
 from fsi.pores.system import PoreSystem
 
 
@@ -89,8 +88,8 @@ class Seen(NamedTuple):
         size: a length of each pore, (n,).
     """
 
-    unknown: Index
-    places: Index
+    unknown: Indices
+    places: Indices
     reference: Array
     size: Array
 
@@ -119,7 +118,7 @@ def _times(K: Array, q: Array, Kq: Array) -> None:
 
 
 @internal
-def _rest(q: Array, places: Index, reference: Array, size: float) -> None:
+def _rest(q: Array, places: Indices, reference: Array, size: float) -> None:
     """Take off the translation of that surface, if of any, without which the numbers of a pore are least."""
     motion, least, chosen = np.zeros((4, 3)), np.inf, 0
     for v in range(4):  # the last: none

@@ -7,15 +7,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.machine.compiled import compiled, internal
 from fsi.pores.links import Corner, Links, across, corner, moved, step
 from fsi.pores.power import locate
 from fsi.pores.shape import clearance, distance, from_neck, inscribed, is_flat, length_of, neck
-from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, Shapes
+from fsi.pores.surfaces import CONTAINER, DISC, Bodies, Shapes
 
 _LEAST = 0.025  # radius of a circle beside a disc near a neck over the length of that
 _MOST = 200  # pores that one circle reaches into
-_TRIALS = 20  # circles beside a body that lies across a neck
+# Circles beside a body that lies across a neck, over its radius: where it nearly touches a container those
+# that have room are thousands of times smaller than it.
+_BESIDE = 2.0 ** np.arange(-12.0, 5.0, 0.5)
 
 
 class Circles(NamedTuple):
@@ -92,8 +95,8 @@ def _beyond_neck(
     ex, ey = neck(shapes, a, b)
     length, r = np.hypot(ex, ey), shapes.radius[c[0]]
     x, y, rho = 0.0, 0.0, 0.0
-    for i in range(_TRIALS):
-        away = r * 2.0 ** (0.5 * i - 5.0)
+    for part in _BESIDE:
+        away = part * r
         u, v = c[1] + (r + away) * ey / length, c[2] - (r + away) * ex / length
         free = _covered(shapes, links, t, (u, v, away))[1]
         if free > rho:

@@ -14,12 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.errors import SolveError
-from fsi.pores.pattern import Index
 
 # Writes the rows of all entries, ascending in each column, and their values.
-type Writer = Callable[[Index, Array], None]
+type Writer = Callable[[Indices, Array], None]
 
 _INT = ctypes.c_ssize_t  # int_t
 _DOUBLE = 1  # the id of real matrices
@@ -39,7 +38,7 @@ class _Columns(ctypes.Structure):
     )
 
 
-def sparse_matrix(first: Index, write: Writer) -> Any:
+def sparse_matrix(first: Indices, write: Writer) -> Any:
     """CVXOPT's square matrix whose columns begin there among the entries, and their end, (n + 1,).
 
     Raises SolveError: CVXOPT has matrices of another kind.
@@ -53,7 +52,7 @@ def _require_known() -> None:
     """Raise SolveError unless a small matrix that is written is that which CVXOPT makes of triplets."""
     from cvxopt import spmatrix
 
-    def write(row: Index, value: Array) -> None:
+    def write(row: Indices, value: Array) -> None:
         row[:], value[:] = (0, 2, 1), (4.0, 5.0, 6.0)
 
     known = spmatrix([4.0, 5.0, 6.0], [0, 2, 1], [0, 0, 2], (3, 3)).CCS
@@ -61,7 +60,7 @@ def _require_known() -> None:
     _require(all(list(one) == list(other) for one, other in zip(found, known, strict=True)))
 
 
-def _written(first: Index, write: Writer) -> Any:
+def _written(first: Indices, write: Writer) -> Any:
     from cvxopt import spmatrix
 
     n, entries = len(first) - 1, int(first[-1])

@@ -36,13 +36,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import carried, stream
 from fsi.pores.definite import Cholesky
 from fsi.pores.force_series import ForceSeries
 from fsi.pores.orders import KNOTS, RIGID, numbers_of
-from fsi.pores.pattern import Index
 from fsi.pores.pushed import functions_beside, of_fluid_discs, of_pores
 from fsi.pores.regions import NEXT, OTHER
 from fsi.pores.surfaces import DISC, WALL
@@ -102,7 +101,7 @@ class LeastStresses:
     c: Array
 
     @classmethod
-    def of(cls, pores: Pores, modes: Index, forces: ForceSeries | None = None) -> LeastStresses:
+    def of(cls, pores: Pores, modes: Indices, forces: ForceSeries | None = None) -> LeastStresses:
         """With these numbers of modes for the necks, (K,). Raises SolveError."""
         surfaces = replace(pores.surfaces, hollow=True)
         system = PoreSystem.of(0, replace(pores, surfaces=surfaces), np.clip(modes, FEWEST, MOST), 1.0)

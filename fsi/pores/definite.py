@@ -11,11 +11,11 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.errors import SolveError
 from fsi.machine.compiled import compiled
 from fsi.pores.columns import sparse_matrix
-from fsi.pores.pattern import Index, Short
+from fsi.pores.pattern import Short
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -38,7 +38,7 @@ class Cholesky:
         self._scale = scale[free]
         first = _first(lower.indptr, lower.indices, number)
 
-        def write(row: Index, value: Array) -> None:
+        def write(row: Indices, value: Array) -> None:
             _write((row, value), (lower.indptr, lower.indices, lower.data), scale, number)
 
         self._factors = _factors(sparse_matrix(first, write))
@@ -89,7 +89,7 @@ def _diagonal(indptr: Short, indices: Short, data: Array) -> Array:
 
 
 @compiled
-def _first(indptr: Short, indices: Short, number: Index) -> Index:
+def _first(indptr: Short, indices: Short, number: Indices) -> Indices:
     """Where the columns of the upper triangle begin, those that have a number, and their end."""
     first, n = np.zeros(number.max() + 2, np.int64), 0
     for i in range(len(number)):
@@ -102,7 +102,7 @@ def _first(indptr: Short, indices: Short, number: Index) -> Index:
 
 @compiled
 def _write(
-    columns: tuple[Index, Array], lower: tuple[Short, Short, Array], scale: Array, number: Index
+    columns: tuple[Indices, Array], lower: tuple[Short, Short, Array], scale: Array, number: Indices
 ) -> None:
     """Rows and values of the upper triangle, column by column, scaled to unit diagonal.
 

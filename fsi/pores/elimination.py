@@ -6,7 +6,7 @@ Loops in place of a library's: systems are so small that a library spends its ti
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import internal, vectorised
 from fsi.pores.products import products, squares, take_rows
 

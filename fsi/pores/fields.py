@@ -10,13 +10,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import stream
 from fsi.pores.forms import values
 from fsi.pores.inner import inner_flow
 from fsi.pores.orders import numbers_of
-from fsi.pores.pattern import Index
 from fsi.pores.places import in_discs, locate, off_corners
 from fsi.pores.pore_data import Complex, gathering, pore_data
 from fsi.pores.quadrature import WEIGHT, Points, Rule, points_at, pore_points, uniform
@@ -63,7 +62,7 @@ class PoreMesh:
     """
 
     points: Array
-    pore: Index
+    pore: Indices
     ends: NDArray[np.bool_]
     corner: NDArray[np.bool_]
     field: FluidField
@@ -118,7 +117,7 @@ class FlowFields:
         place = self._in_fluid_discs(jet, np.flatnonzero(pore < 0), points, place)
         return FluidField.of(_carried(jet, place, points, self.flow.gradient))
 
-    def mean(self, of: Callable[[Index, Array, Array], Array]) -> float:
+    def mean(self, of: Callable[[Indices, Array, Array], Array]) -> float:
         """Over the fluid, of what is made of places (E,), points there (E, n, 2) and jets (6, E n).
 
         Places are pores, then fluid discs, in which it is harmonic, so that its mean is what it is at their
@@ -137,7 +136,7 @@ class FlowFields:
         total += float(of_discs @ of(places, surfaces.centre[disc, None], jet))
         return total / (area + float(of_discs.sum()))
 
-    def _in_fluid_discs(self, jet: Array, missing: Index, points: Array, place: Array) -> Array:
+    def _in_fluid_discs(self, jet: Array, missing: Indices, points: Array, place: Array) -> Array:
         """Fill in points that lie in fluid discs; where all points lie then."""
         surfaces, place = self.flow.system.pores.surfaces, place.copy()
         own, at = in_discs(surfaces, np.flatnonzero(surfaces.fluid), points[missing])
@@ -146,7 +145,7 @@ class FlowFields:
         jet[:, here] = self._inner(own, place[here] - surfaces.centre[own])
         return place
 
-    def _inner(self, disc: Index, r: Array) -> Array:
+    def _inner(self, disc: Indices, r: Array) -> Array:
         """psi with its derivatives in fluid discs, (6, n), at r from their centres, (n, 2)."""
         numbering = self.flow.system.assembly.numbering
         radius, psi = self.flow.system.pores.surfaces.radius, np.empty((6, len(disc)))
@@ -184,7 +183,7 @@ class FlowFields:
             FluidField.of(np.concatenate([jet, self._inner(disc, r)], axis=1)),
         )
 
-    def _quarters(self, cells: int) -> tuple[Array, Index]:
+    def _quarters(self, cells: int) -> tuple[Array, Indices]:
         """Points of quarters of fluid discs, from their centres, (n, 2), and the discs, (n,)."""
         surfaces = self.flow.system.pores.surfaces
         disc = np.flatnonzero(surfaces.fluid)
@@ -216,7 +215,7 @@ def _even(order: int, pieces: int) -> Rule:
     return uniform(np.stack([along, np.ones_like(along)]), even, even)
 
 
-def _first_rows(sides: Index, pieces: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _first_rows(sides: Indices, pieces: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Which patches begin in one point, and in a corner; of pores with sides (E, 3), 3 pieces + 3 of each."""
     corner = np.zeros((len(sides), 3 * pieces + 3), bool)
     corner[:, : 3 * pieces : pieces] = sides < 0

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.pores.pattern import Index
 from fsi.pores.regions import PoreShapes, shapes_of
 from fsi.pores.system import PoreSystem
 from fsi.pores.topology import Pores
@@ -28,7 +27,7 @@ class Fineness:
     """
 
     places: Array
-    modes: Index
+    modes: Indices
 
     @classmethod
     def even(cls, modes: int) -> Fineness:
@@ -40,7 +39,7 @@ class Fineness:
         """That of a system."""
         return cls(_middles(system.pores, system.shapes), system.assembly.numbering.modes)
 
-    def at(self, pores: Pores) -> Index:
+    def at(self, pores: Pores) -> Indices:
         """Modes of the necks of other pores, (K,)."""
         if np.all(self.modes == self.modes[0]):
             return np.full(len(pores.necks), self.modes[0])

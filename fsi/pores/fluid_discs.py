@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.meshes.geometry.lattice import reduced
 from fsi.pores.circles import Circles, circles_in_pores, renewed, separate
 from fsi.pores.links import Links
 from fsi.pores.shape import flat_ones
 from fsi.pores.start import surrounding, widest_view
-from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, BoundingSurfaces, NoPoresError
+from fsi.pores.surfaces import CONTAINER, DISC, WALL, BoundingSurfaces, NoPoresError
 from fsi.pores.topology import Pores, linked, numbered, pores_of, with_more_discs
 
 _ALIKE = 9  # digits of radii that tell which circle is larger
@@ -25,6 +26,9 @@ _ROUNDS = 60
 # Circles in flat pores may make others flat: of a disc in a tight container they go around it, one by one,
 # and into the crescent where they nearly touch without end: there those of the first rounds are enough.
 _ROUNDS_OF_FLAT, _ENOUGH = 200, 30
+# Discs for each that was there, and besides, by far more than pores need: without them small circles beside
+# small ones ask for ever smaller ones.
+_MANY, _FEW = 5, 250
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,28 +75,39 @@ def _with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingS
     They are linked as from the first; some may stay flat (see `Level.finer_rule`). Raises NoPoresError where
     there is no end of it, because bodies overlap.
     """
-    surfaces, links = _without_wide(_surrounded(surfaces, wide.share), wide)
-    enough = surfaces, links
+    surfaces = _surrounded(surfaces, wide.share)
+    surfaces, links = _without_wide(surfaces, wide, _MANY * _most(surfaces))
+    enough, most = (surfaces, links), _most(surfaces)
     for count in range(_ROUNDS_OF_FLAT):
         more, _, _ = _more(surfaces, links, circles_in_pores(surfaces.shapes(), links, flat=True), wide)
         if more is surfaces:
             return surfaces, links
-        surfaces, links = _without_wide(more, wide)
+        try:
+            surfaces, links = _without_wide(more, wide, most)
+        except NoPoresError:
+            return enough
         enough = (surfaces, links) if count < _ENOUGH else enough
     return enough
 
 
-def _without_wide(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:
-    """With fluid discs until no pore is wide: the last round finds no more."""
+def _most(surfaces: BoundingSurfaces) -> int:
+    """Discs, with those of fluid, beyond which there is no end of them."""
+    return _MANY * surfaces.discs + _FEW
+
+
+def _without_wide(surfaces: BoundingSurfaces, wide: Wide, most: int) -> tuple[BoundingSurfaces, Links]:
+    """With fluid discs until no pore is wide: the last round finds no more. Raises NoPoresError."""
     for _ in range(_ROUNDS):
-        more, links = _filled(surfaces, wide)
+        more, links = _filled(surfaces, wide, most)
         if more is surfaces:
             return surfaces, links
         surfaces = more
+        if surfaces.discs > most:
+            break
     raise NoPoresError("there is no end of circles of fluid between the bodies")
 
 
-def _filled(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:
+def _filled(surfaces: BoundingSurfaces, wide: Wide, most: int) -> tuple[BoundingSurfaces, Links]:
     """With fluid discs until no pore is wide, and these pores, in which they are put one after the other.
 
     While bodies lie across necks such pores may hide one from a new disc, which is then taken out.
@@ -105,7 +120,7 @@ def _filled(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, L
     circles = circles_in_pores(surfaces.shapes(), links, flat=False)
     for _ in range(_ROUNDS):
         more, links, circles = _more(surfaces, links, circles, wide)
-        if more is surfaces:
+        if more is surfaces or surfaces.discs > most:
             break
         surfaces = more
     return surfaces, links

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.machine.compiled import compiled, internal
-from fsi.pores.pattern import Index
 from fsi.pores.point_forces import Functions, ImageRows, Loads, PointForces, alone, of_rows, seen_from
 from fsi.pores.pore_data import Complex, planar
 from fsi.pores.regions import PoreShapes
@@ -59,7 +58,7 @@ class ForceSeries:
         _expand((z, radius), forces.loads, rows, a, b)
         return cls(forces, z, radius, a, b)
 
-    def stress(self, place: Index, x: Array) -> tuple[Array, Complex]:
+    def stress(self, place: Indices, x: Array) -> tuple[Array, Complex]:
         """p and D, (n, k), at points x (n, k, 2) of places (n,)."""
         z = self.forces.along.conjugate() * planar(x)
         p, D = np.empty(z.shape), np.empty(z.shape, complex)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import compiled, inlined, internal, vectorised
 from fsi.machine.heap import aligned
 from fsi.pores.elimination import least_bubbles

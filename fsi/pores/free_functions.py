@@ -19,7 +19,7 @@ which is 2 t / h - 1 where necks are wide.
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import inlined, vectorised
 from fsi.pores.jets import AT_ONCE, load, scaled, times
 from fsi.pores.orders import CORNER

@@ -6,7 +6,7 @@ z^m, |z|^2 z^(m-2) for m = 4 ... M.
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 
 def inner_powers(order: int) -> list[tuple[int, int]]:

@@ -1,6 +1,6 @@
 """The trial functions of necks and of pores: modes and bubbles."""
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import vectorised
 from fsi.pores.jets import AT_ONCE, legendre, load, plus, product, shifted, store
 from fsi.pores.pore_data import ACROSS, FIRST, MIDDLE, SIZE, TURN, Complex

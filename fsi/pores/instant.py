@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.errors import InputError, SolveError, apart
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import VISCOSITY_CHECKS, BulkStress
@@ -20,7 +20,6 @@ from fsi.pores.fields import FlowFields
 from fsi.pores.force_series import ForceSeries
 from fsi.pores.narrow import narrowness
 from fsi.pores.necks import Necks, necks_of
-from fsi.pores.pattern import Index
 from fsi.pores.point_forces import PointForces
 from fsi.pores.pressure import PressureField
 from fsi.pores.solve import PoreFlow
@@ -183,7 +182,7 @@ class PoreInstant:
         return ForceSeries.of(forces, system.shapes, surfaces)
 
     @property
-    def _others(self) -> Index:
+    def _others(self) -> Indices:
         """The modes of the flow that tells the error, (K,)."""
         return other_modes(self.flow.system)[0]
 

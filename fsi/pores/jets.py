@@ -12,7 +12,7 @@ numbers one after the other AT_ONCE times each: of known distances a compiler se
 takes several points at once.
 """
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import inlined, vectorised
 from fsi.machine.heap import aligned
 

@@ -22,9 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.pores.orders import RIGID, TIED, Orders, numbers_of
-from fsi.pores.pattern import Index
 from fsi.pores.pore_data import FIRST, REFERENCE, SECOND, Complex, planar, pore_data
 from fsi.pores.regions import NEXT, OTHER, PoreShapes
 from fsi.pores.surfaces import CONTAINER, WALL
@@ -45,8 +44,8 @@ class Ties(NamedTuple):
         coefficients: of all numbers of the pore, in the constraints of q and v, (t, TIED, m).
     """
 
-    row: Index
-    pore: Index
+    row: Indices
+    pore: Indices
     coefficients: Array
 
 
@@ -65,14 +64,14 @@ def narrowness(pores: Pores) -> Array:
     return np.asarray(np.where(of_fluid, np.inf, 0.5 * pores.neck_gap * bent[necks].sum(axis=1)))
 
 
-def functions_of(orders: Orders) -> Index:
+def functions_of(orders: Orders) -> Indices:
     """Which of the numbers of a pore are those of its shared functions, (shared,)."""
     return np.delete(np.arange(orders.numbers), np.concatenate([*_tied(orders), []]).astype(np.int64))
 
 
-def _tied(orders: Orders) -> list[Index]:
+def _tied(orders: Orders) -> list[Indices]:
     """Where q and v of each side stand among the numbers of a pore: before those of its modes."""
-    k, places = sum(numbers_of(order) for order in orders.fluid), list[Index]()
+    k, places = sum(numbers_of(order) for order in orders.fluid), list[Indices]()
     for v in range(3):
         places.append(k + np.arange(TIED * orders.narrow[v]))
         k += len(places[v]) + orders.modes[v] + orders.knots[v]
@@ -95,7 +94,7 @@ class _Directed(NamedTuple):
     v: int
     b: int
     o: int
-    pore: Index
+    pore: Indices
     n: Array
     arm: Array
     strains: Array
@@ -172,7 +171,7 @@ def _carried(U: Array, arm: Array) -> Array:
     return np.asarray(U[:, 0] * arm[:, 1] - U[:, 1] * arm[:, 0])
 
 
-def ties_of(shapes: PoreShapes, orders: Orders, row: Index) -> Ties:
+def ties_of(shapes: PoreShapes, orders: Orders, row: Indices) -> Ties:
     """The constraints that n pores tell, those of their sides with a row, (n, 3); -1 for none."""
     first = np.cumsum([0, *map(numbers_of, orders.fluid)])
     parts = [(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, TIED, orders.numbers)))]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import stream
 from fsi.pores.fields import stream_function

@@ -13,10 +13,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.machine.compiled import compiled, internal
 
-type Index = NDArray[np.int64]
 type Short = NDArray[np.int32]
 
 _MEMBERS = 6  # of a pore: three surfaces and three necks, -1 for none
@@ -34,10 +33,10 @@ class Pattern(NamedTuple):
         indices: of columns.
     """
 
-    start: Index
-    first: Index
-    other: Index
-    place: Index
+    start: Indices
+    first: Indices
+    other: Indices
+    place: Indices
     indptr: Short
     indices: Short
 
@@ -47,7 +46,7 @@ class Pattern(NamedTuple):
         return sp.csr_matrix((data, self.indices, self.indptr), shape=(n, n))
 
 
-def pattern_of(members: Index, start: Index) -> Pattern:
+def pattern_of(members: Indices, start: Indices) -> Pattern:
     """The pattern of pores with these members, (E, 6)."""
     first, other = _meetings(members, len(start) - 1)
     size = np.diff(start)
@@ -59,7 +58,7 @@ def pattern_of(members: Index, start: Index) -> Pattern:
 
 
 @compiled
-def _meetings(members: Index, count: int) -> tuple[Index, Index]:
+def _meetings(members: Indices, count: int) -> tuple[Indices, Indices]:
     """Whom of those up to it each member meets: where its list begins, and the lists."""
     at = np.zeros(count + 1, np.int64)
     for pore in members:
@@ -87,7 +86,7 @@ def _meetings(members: Index, count: int) -> tuple[Index, Index]:
 
 
 @internal
-def _put_in_order(numbers: Index, begin: int, end: int, number: int) -> int:
+def _put_in_order(numbers: Indices, begin: int, end: int, number: int) -> int:
     """Put a number into an ascending list unless it is there; the new end."""
     p = end
     while p > begin and numbers[p - 1] > number:
@@ -101,7 +100,7 @@ def _put_in_order(numbers: Index, begin: int, end: int, number: int) -> int:
 
 
 @compiled
-def _columns(start: Index, first: Index, other: Index, entries: int) -> Short:
+def _columns(start: Indices, first: Indices, other: Indices, entries: int) -> Short:
     """The columns of all rows, up to the diagonal."""
     columns, n = np.empty(entries, np.int32), 0
     for member in range(len(first) - 1):
@@ -114,7 +113,7 @@ def _columns(start: Index, first: Index, other: Index, entries: int) -> Short:
 
 
 @compiled
-def add_forms(data: Array, pattern: Pattern, members: Index, forms: Array) -> None:
+def add_forms(data: Array, pattern: Pattern, members: Indices, forms: Array) -> None:
     """Add the symmetric forms (n, m, m) of pores with these members, (n, .), to the entries of the triangle.
 
     A member that comes twice in a pore meets itself: both of its pieces are added to the one on the diagonal.

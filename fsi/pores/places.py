@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fsi.bodies.configuration import Array
-from fsi.pores.pattern import Index
+from fsi.arrays import Array, Indices
 from fsi.pores.pore_data import pore_data
 from fsi.pores.quadrature import DISTANCE, points_at
 from fsi.pores.regions import PoreShapes, cross
@@ -20,7 +19,7 @@ _ROUNDING = 1e-9  # of the size of a pore: points as far as that outside count a
 _OFF_CORNER = 1e-3  # of the size of a pore: how far off a corner points are taken
 
 
-def locate(system: PoreSystem, points: Array) -> tuple[Index, Array]:
+def locate(system: PoreSystem, points: Array) -> tuple[Indices, Array]:
     """The pore of each point, (n,), -1 where there is none, and its image in that pore, (n, 2).
 
     A point lies in the pore to whose sides it lies on the left, and in no body.
@@ -55,7 +54,7 @@ def _inside(shapes: PoreShapes, x: Array) -> NDArray[np.bool_]:
     return np.asarray(np.all(left >= least, axis=1) & np.all(outside >= least, axis=1))
 
 
-def in_discs(surfaces: BoundingSurfaces, discs: Index, points: Array) -> tuple[Index, Array]:
+def in_discs(surfaces: BoundingSurfaces, discs: Indices, points: Array) -> tuple[Indices, Array]:
     """Which of some discs holds each point, (n,), -1 for none, and its image in that disc, (n, 2)."""
     own, place = np.full(len(points), -1), points.copy()
     if len(discs) == 0 or len(points) == 0:

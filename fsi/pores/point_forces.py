@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import compiled, internal
 from fsi.pores.pore_data import Complex, planar
 

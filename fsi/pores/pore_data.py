@@ -7,7 +7,7 @@ x + i y, other numbers real parts.
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.pores.regions import NEXT, OTHER, PoreShapes
 from fsi.pores.surfaces import CONTAINER, WALL
 

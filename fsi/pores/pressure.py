@@ -18,11 +18,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.observables.bulk_stress import vorticity
 from fsi.pores.complement import AiryStress
 from fsi.pores.fields import FlowFields, FluidField, PoreMesh
-from fsi.pores.pattern import Index
 
 _ORDER = 2  # of patches on which pressures are compared
 
@@ -74,11 +73,11 @@ class PressureField:
         rows[mesh.corner, 0] = rows[mesh.corner, 1].mean(axis=1, keepdims=True)
         return np.asarray(p)
 
-    def _at_places(self, place: Index, x: Array, jet: Array) -> Array:
+    def _at_places(self, place: Indices, x: Array, jet: Array) -> Array:
         """The same at points x (n, k, 2) of places (n,), (n k,)."""
         return 0.5 * vorticity(FluidField.of(jet).gradient) + self._beside(place, x)
 
-    def _beside(self, place: Index, x: Array) -> Array:
+    def _beside(self, place: Indices, x: Array) -> Array:
         """What point forces add to it."""
         if self._forces is None or x.size == 0:
             return np.zeros(x.size // 2)

@@ -4,7 +4,7 @@ Loops in place of a library's: rows are so few and short that a library spends i
 threads.
 """
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import vectorised
 
 

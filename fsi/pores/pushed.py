@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.pores.assembly import Batch, FluidForms
 from fsi.pores.force_series import ForceSeries
 from fsi.pores.forms import rates_of_numbers, with_bubbles

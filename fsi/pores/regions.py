@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import compiled, internal
 from fsi.pores.surfaces import CONTAINER, DISC, WALL
 from fsi.pores.topology import Pores

@@ -14,7 +14,7 @@ from time import process_time
 import numpy as np
 import scipy.sparse as sp
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
 from fsi.errors import RefusedError

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.machine.compiled import compiled, internal
 from fsi.pores.links import Corner, Links, across, corner, cross, flip, turn
-from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, Shapes
+from fsi.pores.surfaces import CONTAINER, DISC, WALL, Bodies, Shapes
 
 CLEAR = 0.3  # radii between a body and a neck opposite, which a flip may bring about
 # Where pores are flat the weights change within a part of them, and would ask for many points of quadrature.

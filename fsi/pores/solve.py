@@ -18,7 +18,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Inertia, Motion
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import Carrier, carried, mean_flow, product
 from fsi.pores.forms import applied, rates_of_numbers, with_bubbles

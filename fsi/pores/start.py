@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.meshes.geometry.lattice import reduced
 from fsi.pores.links import OPEN, Links
-from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces, NoPoresError
+from fsi.pores.surfaces import CONTAINER, DISC, Bodies, BoundingSurfaces, NoPoresError
 
 _HALF_TURN = 0.95 * np.pi  # angle between neighbours around the centre of a container
 _IN_THE_MIDDLE = 1e-6  # over the radius of a container: a disc that near to its centre lies in no direction

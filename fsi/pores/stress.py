@@ -20,7 +20,8 @@ from math import nan
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
+from fsi.meshes.geometry.channel import gradient_between
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import VISCOSITY_CHECKS, BulkStress, area_fraction, compared_viscosities
 from fsi.pores.carrier import stream
@@ -29,12 +30,10 @@ from fsi.pores.solve import PoreFlow, PoreLoading
 
 def mean_strain_rate(bodies: DrivenBodies, loading: PoreLoading) -> Array:
     """E of a periodic flow, symmetric, (2, 2); between walls that of their slip."""
-    container, walls = bodies.case.container(), loading.walls
-    E: Array = 0.5 * (loading.gradient + loading.gradient.T)
+    container, W = bodies.case.container(), loading.gradient
     if len(container.walls) == 2:
-        bottom, top = (container.walls.index(name) for name in ("bottom", "top"))
-        height = float(container.distances(container.middle[None])[0].sum())
-        E[0, 1] = E[1, 0] = 0.5 * (walls[top, 0] - walls[bottom, 0]) / height
+        W = gradient_between(container, dict(zip(container.walls, loading.walls[:, :2], strict=True)))
+    E: Array = 0.5 * (W + W.T)
     return E
 
 
@@ -50,9 +49,8 @@ def bulk_stress(bodies: DrivenBodies, flow: PoreFlow) -> BulkStress | None:
         return bulk
     power = float(np.sum(bulk.mean * E))
     if container.walls:
-        bottom, top = (container.walls.index(name) for name in ("bottom", "top"))
-        force = flow.wall_forces[top, 0] - flow.wall_forces[bottom, 0]
-        power = float(force / container.periods[0, 0] * E[0, 1])
+        force = dict(zip(container.walls, flow.wall_forces[:, 0], strict=True))
+        power = float((force["top"] - force["bottom"]) / container.periods[0, 0] * E[0, 1])
     alone = 2.0 * mu * E
     return replace(bulk, apparent_viscosity=power / float(np.sum(alone * E)), newtonian=alone)
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Inertia, Motion
 from fsi.meshes.geometry.lattice import unit_shear
 from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
 from fsi.pores.stress import viscous_stress

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import inlined, vectorised
 from fsi.pores.jets import AT_ONCE, Jet, combined, load, plus, product, scaled, times
 from fsi.pores.orders import CUBIC

@@ -7,7 +7,7 @@ a negative of a container. To first order s is the distance, and t the length fr
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import inlined, vectorised
 from fsi.pores.jets import AT_ONCE, scaled, times
 from fsi.pores.pore_data import CENTRE, IS_WALL, NORMAL, RADIUS, SIGN, Complex

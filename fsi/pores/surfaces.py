@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError, SolveError
 from fsi.meshes.geometry.container import Container
 
-Array = NDArray[np.float64]
 Bodies = NDArray[np.int64]
 
 DISC, WALL, CONTAINER = 0, 1, 2

@@ -7,12 +7,11 @@ from time import process_time
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.machine.heap import keep_freed
 from fsi.pores.assembly import Assembly, assemble
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.orders import RIGID
-from fsi.pores.pattern import Index
 from fsi.pores.regions import PoreShapes, shapes_of
 from fsi.pores.surfaces import DISC, BoundingSurfaces, NoPoresError
 from fsi.pores.tied import LastFactors
@@ -53,7 +52,7 @@ class PoreSystem:
         return made
 
     @classmethod
-    def of(cls, bodies: int, pores: Pores, modes: Index, viscosity: float) -> PoreSystem:
+    def of(cls, bodies: int, pores: Pores, modes: Indices, viscosity: float) -> PoreSystem:
         """With numbers of modes for the necks, (K,). Raises NoPoresError."""
         keep_freed()
         shapes = shapes_of(pores)
@@ -61,7 +60,7 @@ class PoreSystem:
         _require_regions(pores, assembly)
         return cls(bodies, pores, shapes, assembly, viscosity)
 
-    def with_modes(self, modes: Index) -> PoreSystem:
+    def with_modes(self, modes: Indices) -> PoreSystem:
         """The same pores with other numbers of modes, (K,). Raises NoPoresError."""
         return PoreSystem.of(self.bodies, self.pores, modes, self.viscosity)
 
@@ -76,7 +75,7 @@ class PoreSystem:
         return self.size - self.strains.size - int(self.assembly.ties.shape[0])
 
     @property
-    def strains(self) -> Index:
+    def strains(self) -> Indices:
         """The numbers that strain the surfaces of bodies, always 0, (N, 2); (N, 0) without a mean stress."""
         first, end = self.assembly.numbering.surface, self.assembly.numbering.surface[1:]
         size = int(np.max(end[: self.bodies] - first[: self.bodies], initial=RIGID)) - RIGID

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import inlined, vectorised
 from fsi.pores.jets import AT_ONCE, Jet, load, product
 from fsi.pores.quadrature import ROOT

@@ -18,7 +18,7 @@ import scipy  # its modules load when they are used
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.pores.definite import Cholesky, scaled_residual
 
 # kappa of constraints of unit length, for K of unit diagonal: with 1e5 and more rounding takes iterations.

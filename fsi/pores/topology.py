@@ -25,21 +25,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.machine.compiled import compiled
 from fsi.pores.links import Links, corner, turn
 from fsi.pores.power import insert
 from fsi.pores.shape import improve, narrowest
 from fsi.pores.start import first_pores, order_of_insertion
-from fsi.pores.surfaces import (
-    CONTAINER,
-    DISC,
-    WALL,
-    Array,
-    Bodies,
-    BoundingSurfaces,
-    NoPoresError,
-    Shapes,
-)
+from fsi.pores.surfaces import CONTAINER, DISC, WALL, Bodies, BoundingSurfaces, NoPoresError, Shapes
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -27,7 +27,7 @@ are analytic in the pore, and bubbles vanish to second order exactly on its boun
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import vectorised
 from fsi.pores.free_functions import arc_bubbles, corner, knots
 from fsi.pores.inner_functions import ALONG, bubbles, modes, neck_bubbles

@@ -7,7 +7,7 @@ from math import isclose
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 
 def third(degree: int) -> Array:

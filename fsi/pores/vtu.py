@@ -13,7 +13,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.cells.lagrange import lattice, tabulate
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice

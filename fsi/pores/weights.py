@@ -5,7 +5,7 @@ Each weight is one of the functions in an array of jets, under the name and numb
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.compiled import inlined, vectorised
 from fsi.pores.jets import AT_ONCE, Jet, load, plus, product, reciprocal, scaled, shifted, store, times
 from fsi.pores.pore_data import (

@@ -24,7 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.bodies.gaps import ROUNDING, row_numbers
 from fsi.case.case import Case
 from fsi.errors import SolveError
@@ -89,9 +90,9 @@ class DistanceModel(ReducedModel):
         """Take the memory back."""
         self._memory = PairMemory(**state) if state else None
 
-    def begin(self, q: Configuration, U: Array) -> ReducedInstant:
-        """The instant at time 0 with the velocities U (N, M); the memory begins. Raises SolveError."""
-        began = process_time()
+    def begin(self, q: Configuration) -> ReducedInstant:
+        """The instant at time 0 with the velocities of the case; the memory begins. Raises SolveError."""
+        began, U = process_time(), self.case.initial_velocity()
         ambient = self.surroundings(q, 0.0)
         pairs = find_pairs(q, ambient.enclosure, self.reach)
         self._memory = self._fresh(pairs, ambient, U)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.background_flow import background
 from fsi.case.case import Case
 from fsi.meshes.geometry.container import Container, lengths
@@ -98,19 +98,16 @@ def drag(case: Case) -> Array:
 def wall_gaps(container: Container, centres: Array, radii: Array) -> WallGaps:
     """Gaps between bodies (N, d) and walls.
 
-    A plane wall has a_r = a. Seen from inside, a round wall of radius R has a_r = a R/(R - a). A wall that
-    stands for infinity lubricates nothing.
+    A wall that stands for infinity lubricates nothing.
     """
     gap = container.distances(centres) - radii[:, None]
-    radius = np.repeat(radii[:, None], gap.shape[1], axis=1)
     curvature = np.zeros_like(gap)
     lubricates = np.array([name not in container.far_walls for name in container.walls], dtype=bool)
     for k, sphere in enumerate(container.spheres):
         if sphere is not None and lubricates[k]:
             distance = lengths(centres - sphere.centre)
             curvature[:, k] = -1.0 / np.where(distance > 0.0, distance, 1.0)
-            radius[:, k] = radii * sphere.radius / (sphere.radius - radii)
-    return WallGaps(gap, container.normals(centres), radius, curvature, lubricates)
+    return WallGaps(gap, container.normals(centres), container.reduced_radii(radii), curvature, lubricates)
 
 
 def overlap(reduced: Array, radius: Array) -> Array:

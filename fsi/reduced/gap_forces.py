@@ -29,7 +29,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import LinearOperator, SuperLU, cg, splu
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.rows import gram
 from fsi.errors import SolveError
 from fsi.reduced.twice_precise import transposed_product, two_product, two_sum

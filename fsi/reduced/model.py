@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import process_time
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import Instant
@@ -48,6 +49,7 @@ class ReducedInstant:
         record: columns of steps.csv.
         stress: that of lubrication, in a periodic domain.
         bulk: the mean stress there, where pairs resist sliding and rolling too.
+        wall_speeds, shear_rate, dp_dx, flux: nothing, as no stress and no pressure drives this model.
     """
 
     q: Configuration
@@ -61,6 +63,10 @@ class ReducedInstant:
     record: Mapping[str, float]
     stress: LubricationStress | None = None
     bulk: BulkStress | None = None
+    wall_speeds: ClassVar[Mapping[str, float]] = {}
+    shear_rate: ClassVar[None] = None
+    dp_dx: ClassVar[None] = None
+    flux: ClassVar[None] = None
 
     @property
     def apparent_viscosity(self) -> float | None:

@@ -21,7 +21,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.reduced.gap_forces import SEEN, GapSystem
 from fsi.reduced.pairs import Pairs
 from fsi.reduced.tangential import TangentialRows

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, row_numbers
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.reduced.enclosure import Enclosure, overlap, wall_gaps

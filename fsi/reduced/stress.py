@@ -27,7 +27,7 @@ from math import nan
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.integration.errors import components
 from fsi.observables.bulk_stress import BulkStress
 from fsi.reduced.enclosure import Enclosure

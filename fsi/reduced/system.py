@@ -10,7 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.errors import SolveError
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.network import GapNetwork, make_network

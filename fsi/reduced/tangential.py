@@ -11,7 +11,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import MODES, Array
+from fsi.arrays import Array
+from fsi.bodies.configuration import MODES
+from fsi.bodies.records import joined
 from fsi.lubrication.expansions import Mode
 from fsi.lubrication.sliding import Factors, Nearby, slide_and_roll, tangents
 from fsi.reduced.enclosure import Enclosure
@@ -60,7 +62,7 @@ def tangential_rows(
         for tangent in tangents(pairs.n)
         for factor in factors
     ]
-    return _stacked(parts)
+    return joined(parts)
 
 
 def _rows(
@@ -87,10 +89,3 @@ def _rows(
     return TangentialRows(
         G, own, factors.resistance, ~pairs.is_wall, np.arange(P), tangent, factors.across, factors.turn
     )
-
-
-def _stacked(parts: list[TangentialRows]) -> TangentialRows:
-    """All rows of some."""
-    G = sp.vstack([part.G for part in parts], "csr")
-    names = ("own", "resistance", "between", "pair", "tangent", "across", "turn")
-    return TangentialRows(G, *(np.concatenate([getattr(part, name) for part in parts]) for name in names))

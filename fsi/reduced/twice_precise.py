@@ -7,7 +7,7 @@ algorithms 3.1 (Knuth), 3.3 (Dekker, Veltkamp) and 5.3, with errors eps |sum| + 
 import numpy as np
 import scipy.sparse as sp
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 _SPLIT = 2.0**27 + 1.0  # into two halves of 26 bits
 

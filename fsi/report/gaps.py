@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.feet import Feet, find_feet
 from fsi.case.case import Case
 from fsi.report.console import table

@@ -4,14 +4,18 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Self
+from typing import Self, override
 
 import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+from rich.table import Column
 
 import fsi.parallel as parallel
 from fsi.integration.state import StepRecord
+
+# A short bar of 6, "100 %", "0:00:00" and blanks between: the text of a run fits into 80 with them.
+_BESIDE = 21
 
 
 @contextmanager
@@ -28,8 +32,21 @@ def _new_bar(*, quiet: bool = False) -> Progress:
     console = Console(stderr=True)
     terminal = sys.stderr is not None and sys.stderr.isatty()  # it is None where nobody reads
     shown = not quiet and parallel.is_root() and (terminal or console.is_jupyter)
-    text, part = TextColumn("{task.description}"), TextColumn("{task.percentage:.0f} %")
-    return Progress(text, BarColumn(), part, TimeRemainingColumn(), console=console, disable=not shown)
+    part = TextColumn("{task.percentage:.0f} %")
+    columns = (_Description(console), BarColumn(), part, TimeRemainingColumn())
+    return Progress(*columns, console=console, disable=not shown)
+
+
+class _Description(TextColumn):
+    """What is done, cut off where a narrow terminal has no room for it beside the bar."""
+
+    def __init__(self, console: Console) -> None:
+        super().__init__("{task.description}")
+        self._console = console
+
+    @override
+    def get_table_column(self) -> Column:
+        return Column(no_wrap=True, max_width=max(self._console.width - _BESIDE, 1))
 
 
 class ProgressBar:

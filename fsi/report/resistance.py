@@ -1,6 +1,5 @@
 """What `fsi resistance` shows and writes. Loads are EXTERNAL here: the fluid exerts the opposite."""
 
-import csv
 import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -12,9 +11,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError
-from fsi.files import json_text, replace
+from fsi.files import csv_text, json_text, replace
 from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.report.console import checks_table, print_mesh_instead, table
 
@@ -110,10 +109,8 @@ def _checks(resistance: Resistance, error: float, truncation: float | None) -> T
 
 
 def _csv(data: Mapping[str, Any]) -> bytes:
-    text = io.StringIO()
     rows = ([label, *row] for label, row in zip(data["loads"], data["resistance"], strict=True))
-    csv.writer(text, lineterminator="\n").writerows([["", *data["velocities"]], *rows])
-    return text.getvalue().encode()
+    return csv_text([["", *data["velocities"]], *rows]).encode()
 
 
 def _npz(data: Mapping[str, Any]) -> bytes:

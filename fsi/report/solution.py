@@ -11,13 +11,13 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.bodies.opened import lubricating, way_out
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StressErrors
+from fsi.integration.state import Measured
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.quantities import Driven, found_flux, found_gradient
 from fsi.observables.truncation import SolvedFlow
 from fsi.report.case import components
 from fsi.report.console import checks_table, print_mesh_instead, table
@@ -62,32 +62,32 @@ def solution_json(
     return data if truncated is None else data | {"truncation": dict(truncated)}
 
 
-def driven_json(driven: Driven, errors: Driven) -> dict[str, Any]:
+def driven_json(found: Measured, errors: Measured) -> dict[str, Any]:
     """What a stress drives and a flux needs, with their estimated errors."""
     data: dict[str, Any] = {}
-    if driven.wall_speeds:
-        data |= {"wall_speeds": dict(driven.wall_speeds), "wall_speed_errors": dict(errors.wall_speeds)}
-    if driven.shear_rate is not None:
-        data |= {"shear_rate": driven.shear_rate, "shear_rate_error": errors.shear_rate}
-    if (dp_dx := found_gradient(driven)) is not None:
-        data |= {"pressure_gradient": dp_dx, "pressure_gradient_error": found_gradient(errors)}
-    if (flux := found_flux(driven)) is not None:
-        data |= {"flux": flux, "flux_error": found_flux(errors)}
+    if found.wall_speeds:
+        data |= {"wall_speeds": dict(found.wall_speeds), "wall_speed_errors": dict(errors.wall_speeds)}
+    if found.shear_rate is not None:
+        data |= {"shear_rate": found.shear_rate, "shear_rate_error": errors.shear_rate}
+    if found.dp_dx is not None:
+        data |= {"pressure_gradient": found.dp_dx, "pressure_gradient_error": errors.dp_dx}
+    if found.flux is not None:
+        data |= {"flux": found.flux, "flux_error": errors.flux}
     return data
 
 
-def driven_lines(driven: Driven, errors: Driven) -> Iterator[str]:
+def driven_lines(found: Measured, errors: Measured) -> Iterator[str]:
     """The same for a reader."""
-    for wall, speed in driven.wall_speeds.items():
+    for wall, speed in found.wall_speeds.items():
         error = errors.wall_speeds[wall]
         yield f"{wall} slides at {speed:z.8g} ± {error:.0e} along x, as its stress drives it"
-    if driven.shear_rate is not None:
-        rate = f"{driven.shear_rate:z.8g} ± {errors.shear_rate:.0e}"
+    if found.shear_rate is not None:
+        rate = f"{found.shear_rate:z.8g} ± {errors.shear_rate:.0e}"
         yield f"the cell is sheared at the rate {rate}, as its stress drives it"
-    if (dp_dx := found_gradient(driven)) is not None:
-        yield f"the mean dp/dx is {dp_dx:z.8g} ± {found_gradient(errors):.0e}, as the net flux needs it"
-    if (flux := found_flux(driven)) is not None:
-        yield f"the net flux along x is {flux:z.8g} ± {found_flux(errors):.0e}, of fluid and bodies"
+    if found.dp_dx is not None:
+        yield f"the mean dp/dx is {found.dp_dx:z.8g} ± {errors.dp_dx:.0e}, as the net flux needs it"
+    if found.flux is not None:
+        yield f"the net flux along x is {found.flux:z.8g} ± {errors.flux:.0e}, of fluid and bodies"
 
 
 def _dissipation_json(solution: SolvedFlow, errors: ErrorEstimate) -> dict[str, Any]:

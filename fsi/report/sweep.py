@@ -1,18 +1,14 @@
 """What `fsi sweep` prints, and its tables."""
 
-import csv
-import io
 import os
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from rich.console import Console
 
-from fsi.case.section import toml_text
-from fsi.files import write_whole
+from fsi.files import csv_text, write_whole
 from fsi.report.console import table
-from fsi.studies.sweep import SEED, Average, SweepPlan, SweepRow
+from fsi.studies.sweep import SEED, Average, SweepPlan, SweepRow, value_text
 
 TABLE, RUNS = "sweep.csv", "runs.csv"
 _NUMBERS = ("mean", "standard_error", "deviation", "count", "failed", "error")
@@ -23,14 +19,17 @@ def print_averages(console: Console, plan: SweepPlan, found: Sequence[Average]) 
     for quantity in plan.quantities:
         shown = table((), (*(key.name for key in plan.keys), quantity, "±", "deviation", "runs", "failed"))
         for one in (one for one in found if one.quantity == quantity):
-            spread = (f"{x:.2g}" if np.isfinite(x) else "" for x in (one.standard_error, one.deviation))
+            bar = f"{one.standard_error:.2g}" if plan.averaged else f"{one.error:.0e}"
+            spread = (text if "nan" not in text else "" for text in (bar, f"{one.deviation:.2g}"))
             mean = f"{one.mean:.8g}" if one.count else ""
             shown.add_row(
-                *map(_text, one.point.values()), mean, *spread, str(one.count), str(one.failed or "")
+                *map(value_text, one.point.values()), mean, *spread, str(one.count), str(one.failed or "")
             )
         console.print(shown)
-    if plan.seeds:
+    if plan.averaged:
         console.print("±: the standard error of the mean over seeds", highlight=False)
+    elif any(np.isfinite(one.error) for one in found):
+        console.print("±: the estimated error of the value", highlight=False)
 
 
 def write_tables(plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence[Average]) -> None:
@@ -40,13 +39,17 @@ def write_tables(plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence[Aver
     """
     keys = [key.name for key in plan.keys]
     means = [
-        [*map(_text, one.point.values()), one.quantity, *(_number(getattr(one, name)) for name in _NUMBERS)]
+        [
+            *map(value_text, one.point.values()),
+            one.quantity,
+            *(_number(getattr(one, name)) for name in _NUMBERS),
+        ]
         for one in found
     ]
-    write_whole(plan.folder / TABLE, _csv([*keys, "quantity", *_NUMBERS], means))
+    write_whole(plan.folder / TABLE, csv_text([[*keys, "quantity", *_NUMBERS], *means]))
     columns = [*keys, *([SEED] if plan.seeds else []), "folder", "status"]
     columns += [column for name in plan.quantities for column in (name, f"error of {name}")]
-    write_whole(plan.folder / RUNS, _csv(columns, [_run(plan, row) for row in rows]))
+    write_whole(plan.folder / RUNS, csv_text([columns, *(_run(plan, row) for row in rows)]))
 
 
 def _run(plan: SweepPlan, row: SweepRow) -> list[object]:
@@ -56,20 +59,8 @@ def _run(plan: SweepPlan, row: SweepRow) -> list[object]:
         value = None if row.values is None else row.values[name]
         known += ["", ""] if value is None else [value.value, _number(value.error)]
     status = "done" if row.values is not None else f"failed: {row.failure}"
-    return [*map(_text, row.request.values.values()), folder, status, *known]
-
-
-def _csv(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    return text.getvalue()
+    return [*map(value_text, row.request.values.values()), folder, status, *known]
 
 
 def _number(value: float | None) -> object:
     return "" if value is None or not np.isfinite(value) else value
-
-
-def _text(value: Any) -> str:
-    return value if isinstance(value, str) else toml_text(value)

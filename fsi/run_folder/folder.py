@@ -22,7 +22,6 @@ besides the step that is under way.
 """
 
 import csv
-import io
 import os
 import shlex
 import shutil
@@ -38,7 +37,7 @@ from numpy.typing import NDArray
 
 from fsi.case.case import Case
 from fsi.errors import InputError, SolveError
-from fsi.files import TEMPORARY, replace, require_new
+from fsi.files import TEMPORARY, csv_text, replace, require_new
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import is_root, on_root
 from fsi.run_folder.alone import locked
@@ -176,15 +175,12 @@ class RunFolder:
 
     def _text(self, table: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
         """Rows of a table, with its header if they are the first. Raises ValueError: it has another one."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")  # gives floats all their digits
         if self._lengths.get(table, 0) == 0 and table not in self._rows:
             self._headers[table] = list(header)
-            writer.writerow(header)
+            rows = [header, *rows]
         elif list(header) != self._header(table):
             raise ValueError(f"the new rows of {table} have other columns than it has")
-        writer.writerows(rows)
-        return text.getvalue().encode()
+        return csv_text(rows).encode()
 
     def _commit(self) -> None:
         """What has been kept since the last time; again from there where the disk took a part of it."""

@@ -3,7 +3,7 @@
 import csv
 import io
 from itertools import pairwise
-from math import inf, isfinite
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from fsi.bodies.configuration import PLACES
@@ -24,7 +24,7 @@ _SOMETIMES = (*_VISCOSITIES, "stress", "err_dissipation")
 _LAST_DIGITS = 1e-12  # relative: pandas before 3 may read the last digit of a number as another
 
 
-def read_rows(table: str, text: bytes, end: float = inf) -> "pd.DataFrame":
+def read_rows(table: str, text: bytes, end: float) -> "pd.DataFrame":
     """The rows of a table (its name without ".csv"), of a run that has come to the time `end`.
 
     Raises ValueError unless they are as a run writes them: whole rows under the columns that this table

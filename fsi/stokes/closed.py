@@ -12,7 +12,7 @@ with integrals over all walls.
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import BoundaryNodes, facets_with

@@ -21,7 +21,7 @@ A force on a body between the walls is finite with both: meshes are graded towar
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.geometry.container import Container
 from fsi.stokes.problem import Boundary
 

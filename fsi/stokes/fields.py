@@ -26,10 +26,10 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.meshes.cells.lagrange import gradient, locate, tabulate
 from fsi.meshes.files.write import vtk_order
-from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice
+from fsi.meshes.geometry.lattice import SAME_PLACE, Lattice
 from fsi.meshes.geometry.matching import on_torus
 from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
 from fsi.run_folder.paraview import in_space, write_vtu
@@ -152,7 +152,7 @@ def surfaces(system: StokesSystem, reaction: Array) -> Surface:
     )
 
 
-def places(surface: Surface) -> Integers:
+def places(surface: Surface) -> Indices:
     """For each node (n,) the number of its place: images on one body have the same, 0, 1, ... all told."""
     x, lattice = surface.x, surface.lattice
     place = np.arange(len(x))

@@ -20,11 +20,10 @@ from dataclasses import astuple, dataclass
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.errors import RefusedError, apart
 from fsi.observables.truncation import BOUND
 from fsi.stokes.corners import distance, jumps
-from fsi.stokes.discretisation.shared_rows import Index
 from fsi.stokes.solvers.system import (
     NodalSolution,
     StokesSystem,
@@ -186,7 +185,7 @@ def _power_of_walls_and_loads(system: StokesSystem, nodal: NodalSolution, tested
     return power - float(nodal.reaction[of_pressure] @ system.g[of_pressure])
 
 
-def _at_walls(system: StokesSystem) -> Index:
+def _at_walls(system: StokesSystem) -> Indices:
     """Which velocities walls fix."""
     fixed = system.layout.fixed
     return fixed[fixed < system.layout.velocities]

@@ -28,7 +28,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import MODES, Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import MODES, Configuration, Motion
 from fsi.errors import SolveError
 from fsi.stokes.problem import Field, PairLaws, StokesProblem
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem

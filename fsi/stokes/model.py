@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from fsi.bodies.opened import way_out
 from fsi.bodies.resolved_gaps import require_resolved
 from fsi.case.case import Case
 from fsi.integration.errors import StepErrors
-from fsi.integration.state import Results
+from fsi.integration.state import Instant
 from fsi.meshes.build import FluidMesh, Made, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Container, FluidDomain
@@ -108,7 +108,7 @@ class StokesModel:
         return self.units.user_solution(found, problem)
 
     def errors(
-        self, q: Configuration, t: float, instant: Results, motion: Motion | None = None
+        self, q: Configuration, t: float, instant: Instant, motion: Motion | None = None
     ) -> StepErrors:
         """The estimated errors of an instant of this model at q and t; a solve or two more, collective.
 
@@ -125,7 +125,8 @@ class StokesModel:
         if (below := self.case.lubrication.below) is not None:
             of_half = self._of_half_the_gap(below, q, t, motion)
             others.append(Compared(of_half, self._factor_of_laws(below, q, t)))
-        return step_errors(DrivenBodies(self.case, q, t, motion), instant, *others)
+        bodies = DrivenBodies(self.case, q, t, motion)
+        return step_errors(bodies, cast(StokesSolution, instant), *others)  # this model gave it
 
     def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:
         """What the case asks for at q and t, without inertia, on a mesh in the units of the model."""

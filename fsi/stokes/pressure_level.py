@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.geometry.images import to_images
 from fsi.stokes.discretisation.nodes import facets_with
 from fsi.stokes.solvers.drives import Averages

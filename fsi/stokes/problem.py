@@ -10,7 +10,8 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.channel import gradient_between, wall_heights
 from fsi.meshes.geometry.container import Container

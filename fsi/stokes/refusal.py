@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.surface_gap import narrowest_gap
 from fsi.errors import RefusedError, SolveError
 from fsi.stokes.problem import StokesProblem

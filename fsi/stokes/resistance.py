@@ -14,7 +14,8 @@ from itertools import batched
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
 from fsi.errors import InputError

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import MODES, Array
+from fsi.arrays import Array
+from fsi.bodies.configuration import MODES
 from fsi.observables.bulk_stress import VISCOSITY_CHECKS
 from fsi.observables.quantities import stress_driven
 from fsi.observables.truncation import SolvedFlow
@@ -26,14 +27,12 @@ class StokesSolution(SolvedFlow):
         flow: velocity and pressure, of this rank.
         surface: the bodies' surfaces, on root.
         pressure_gradient: the mean one of a periodic flow, (d,).
-        flux: of fluid and bodies along a channel whose mean pressure gradient is given, else None.
     """
 
     problem: StokesProblem = field(repr=False)
     flow: Flow = field(repr=False)
     surface: Surface = field(repr=False)
     pressure_gradient: Array | None = None
-    flux: float | None = None
 
     @property
     def dp_dx(self) -> float | None:

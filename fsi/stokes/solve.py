@@ -11,7 +11,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import RefusedError
 from fsi.meshes.build import FluidMesh
 from fsi.observables.truncation import BOUND

@@ -21,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.observables.bulk_stress import BulkStress, compared_viscosities
 from fsi.stokes.problem import StokesProblem, wall_area
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem, wall_force

@@ -17,7 +17,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import BoundaryNodes, facets_with

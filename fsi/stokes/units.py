@@ -27,7 +27,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.bodies.gaps import wall_gaps
 from fsi.bodies.surface_gap import SurfaceGap, narrowest_gap
 from fsi.case.case import Case

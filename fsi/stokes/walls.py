@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
 from fsi.stokes.corners import singular

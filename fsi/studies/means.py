@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError
 
 # Times from kink to kink that tell a square, and steps there that tell it well.

@@ -32,6 +32,11 @@ class SweptKey:
     values: Sequence[Any]
 
 
+def value_text(value: Any) -> str:
+    """A value in tables and pictures: words have no quotes."""
+    return value if isinstance(value, str) else toml_text(value)
+
+
 @dataclass(frozen=True, slots=True)
 class SweepPlan:
     """What is run.
@@ -53,6 +58,11 @@ class SweepPlan:
     quantities: Sequence[str]
     motion: bool
     folder: Path
+
+    @property
+    def averaged(self) -> bool:
+        """Whether a point has several runs, which differ; else what is known is the error bar of its one."""
+        return self.seeds > 1
 
     def points(self) -> list[dict[str, Any]]:
         """All combinations of values by their keys; the first key varies slowest."""

@@ -23,9 +23,7 @@ def handed_out(pool: Pool) -> Solve:
     """What has the parts solved there, and gives their rows in their order as soon as they are complete."""
 
     def solve(paths: Sequence[Path], runs: Path) -> Iterator[list[Row]]:
-        asked = [
-            _asked(path, k, runs.absolute()) for path in paths for k, _ in enumerate(swept(path))
-        ]  # all are sound: nothing is solved before
+        asked = [_asked(path, k, runs.absolute()) for path in paths for k, _ in enumerate(swept(path))]
         done = dict[Path, str]()
         with pool() as open_pool:
             for folder, failure in outcomes(open_pool, COMMAND, asked):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.sections import Expected, gap_of
@@ -21,7 +21,7 @@ from fsi.run_folder.kept import STEPS
 from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
-from fsi.validation.rows import Row, chosen_cases, reference, swept, write_rows
+from fsi.validation.rows import Row, chosen_cases, reference, require_sound, swept, write_rows
 
 # Case files, and a folder for the runs of those with [time], to rows as `rows_of` gives them.
 type Solve = Callable[[Sequence[Path], Path], Iterator[list[Row]]]
@@ -38,9 +38,10 @@ def validate_cases(
 
     output: a new folder, for validation.json, validation.csv and the runs. show: is told the rows of each
     case, or of each value of its sweep. solve: gives them, in their order; None: this process does. Raises
-    InputError: no such case, or the output folder is not new.
+    InputError: no such case, one that is not sound, or the output folder is not new; nothing is written.
     """
     paths = parallel.on_root(lambda: chosen_cases(folder, names))
+    parallel.on_root(lambda: require_sound(paths))
     parallel.on_root(lambda: _make(output))
     rows: list[Row] = []
     for found in (solve or one_by_one)(paths, output / "runs"):

@@ -1,9 +1,8 @@
 """Validation: rows of computed values against references, their verdicts, and the files that keep them."""
 
-import csv
-import io
 import tomllib
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -16,7 +15,7 @@ from fsi.case.load import load_case, override, parse_case
 from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError
-from fsi.files import json_text, write_whole
+from fsi.files import csv_of, json_text, write_whole
 from fsi.lubrication.exact_results import EXACT, ExactProblem
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
@@ -149,8 +148,32 @@ def chosen_cases(folder: Path, names: Sequence[str]) -> list[Path]:
     return [files[name] for name in names or files]
 
 
+def require_sound(paths: Sequence[Path]) -> None:
+    """Raise InputError for the first case file that is not sound or lacks a reference, with its path."""
+    for path in paths:
+        for _, case in swept(path):
+            with _blamed(path):
+                for row in case.expected:
+                    reference(case, row)
+
+
+@contextmanager
+def _blamed(path: Path) -> Iterator[None]:
+    """An InputError names the file: a folder has many."""
+    try:
+        yield
+    except InputError as error:
+        said = str(error)
+        raise InputError(said if said.startswith(f"{path}:") else f"{path}: {said}") from None
+
+
 def swept(path: Path) -> Iterator[tuple[float | None, Case]]:
-    """The case, or one for each value of its sweep. Raises InputError."""
+    """The case, or one for each value of its sweep. Raises InputError, with the path."""
+    with _blamed(path):
+        yield from _swept(path)
+
+
+def _swept(path: Path) -> Iterator[tuple[float | None, Case]]:
     case = load_case(path)
     _require_comparable(path, case)
     if case.sweep is None:
@@ -207,15 +230,6 @@ def write_rows(rows: Sequence[Row], folder: Path) -> None:
     """
     records = [row.record for row in rows]
     write_whole(folder / "validation.json", json_text(records, indent=1) + "\n")
-    write_whole(folder / "validation.csv", _csv(records))
+    write_whole(folder / "validation.csv", csv_of(records))
     if ratios := sphere_records(rows):
-        write_whole(folder / "sphere_wall_ratios.csv", _csv(ratios))
-
-
-def _csv(records: Sequence[Record]) -> str:
-    """Records of the same keys as a table."""
-    table = io.StringIO()
-    writer = csv.DictWriter(table, list(records[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
-    return table.getvalue()
+        write_whole(folder / "sphere_wall_ratios.csv", csv_of(ratios))

@@ -20,13 +20,13 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.errors import apart
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.parts import at_parts
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.sizing import Curve
-from fsi.meshes.planar.triangulate import Indices, StraightCells, side_keys
+from fsi.meshes.planar.triangulate import StraightCells, side_keys
 
 SIMPLEX = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}  # by dimension
 EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in basix

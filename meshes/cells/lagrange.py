@@ -12,11 +12,8 @@ import itertools
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fsi.meshes.geometry.container import Array
-
-Indices = NDArray[np.int64]
+from fsi.arrays import Array, Indices
 
 type Rows = tuple[tuple[int, ...], ...]
 VTK_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))

@@ -18,15 +18,16 @@ import fsi.meshes.backend  # noqa: F401
 import numpy as np
 import scipy  # its modules load when they are used
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.build import FluidMesh, shared
 from fsi.meshes.cells.curved import CurvedCells, curve, reference_points
 from fsi.meshes.cells.lagrange import order_of
 from fsi.meshes.errors import MeshFileError, at
 from fsi.meshes.files.write import LINES, TRIANGLES, VTK_SIMPLICES, gmsh_order, vtk_order
-from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.planar.sizing import Curve
-from fsi.meshes.planar.triangulate import Indices, StraightCells, boundary_sides, clockwise
+from fsi.meshes.planar.triangulate import StraightCells, boundary_sides, clockwise
 
 if TYPE_CHECKING:
     import meshio
@@ -83,7 +84,7 @@ def _cells(mesh: meshio.Mesh, names: Sequence[str], domain: FluidDomain, order: 
     used, numbers = np.unique(triangles, return_inverse=True)
     renumber = np.full(len(mesh.points), -1)
     renumber[used] = np.arange(len(used))
-    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(degree))]
+    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(degree, 2))]
     nodes, edges = mesh.points[used, :2], renumber[edges]
     _require_boundary(triangles[:, :3], edges)
     _require_places(nodes[edges], tags, names, domain)

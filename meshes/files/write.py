@@ -20,13 +20,13 @@ from dolfinx.mesh import CellType, entities_to_geometry
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.files import appearing
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.cells.curved import CurvedCells, barycentric, reference_points
 from fsi.meshes.cells.lagrange import lattice, lattice_in_space
 from fsi.meshes.errors import MeshFileError
-from fsi.meshes.geometry.container import Array
-from fsi.meshes.planar.triangulate import Indices, places_of, side_keys
+from fsi.meshes.planar.triangulate import places_of, side_keys
 
 VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}
 if TYPE_CHECKING:
@@ -146,12 +146,12 @@ def _tags(cells: CurvedCells, groups: int) -> list[Indices]:
     return [np.full(len(cells.cells), groups + 1), cells.tags]
 
 
-def vtk_order(nodes: int, dimension: int = 2) -> NDArray[np.int64]:
+def vtk_order(nodes: int, dimension: int) -> NDArray[np.int64]:
     """Columns that put the nodes of simplices of that dimension from the order of basix into VTK's."""
     return np.argsort(dolfinx.cpp.io.perm_vtk(VTK_CELLS[dimension], nodes))
 
 
-def gmsh_order(order: int, dimension: int = 2) -> NDArray[np.int64]:
+def gmsh_order(order: int, dimension: int) -> NDArray[np.int64]:
     """Columns that put the nodes of simplices from the order of basix into gmsh's (dolfinx knows up to 3)."""
     points = np.array(lattice(order) if dimension == 2 else lattice_in_space(order, *GMSH_SIDES)) / order
     return np.abs(points[:, None] - reference_points(order, dimension)).sum(axis=2).argmin(axis=1)

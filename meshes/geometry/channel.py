@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, Container
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import Container
 
 CHANNEL = ("bottom", "top")
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.jets import Array, Jet, JetOf, cross
+from fsi.arrays import Array
+from fsi.meshes.geometry.jets import Jet, JetOf, cross
 
 if TYPE_CHECKING:
     import scipy

@@ -21,14 +21,12 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.curves import Sphere, WallCurve
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.geometry.placed import Placed
-
-Array = NDArray[np.float64]
 
 HERE = 1e-9  # in sizes of a container: places that near are one
 # From this ratio of radii on sizes in the fluid grow from the nearest edge: where they grew from that of the
@@ -81,6 +79,11 @@ class Container(ABC):
     def volume(self) -> float:
         """Of fluid and bodies together: an area in the plane and in the meridional plane."""
 
+    @property
+    def volume_in_space(self) -> float:
+        """The same, but with an axis of what revolves about it; what may have an axis says so."""
+        return self.volume
+
     def outline(self) -> tuple[WallCurve, ...]:
         """The walls in the plane, wall by wall; together with an axis they go once around the container."""
         raise MeshError("no domain of this shape is meshed in the plane")
@@ -119,6 +122,14 @@ class Container(ABC):
     def plane(self) -> tuple[bool, ...]:
         """Whether each wall is plane, (walls,)."""
         return tuple(sphere is None for sphere in self.spheres)
+
+    def reduced_radii(self, radii: Array) -> Array:
+        """a_r of bodies (N,) beside each wall, (N, walls): a beside a plane, in a round one a R/(R - a)."""
+        reduced = np.repeat(radii[:, None], len(self.walls), axis=1)
+        for k, sphere in enumerate(self.spheres):
+            if sphere is not None:
+                reduced[:, k] = radii * sphere.radius / (sphere.radius - radii)
+        return reduced
 
     @property
     def waves(self) -> tuple[float, ...]:

@@ -9,7 +9,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, Container, lengths
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import Container, lengths
 from fsi.meshes.geometry.curves import Sphere, WallCurve, arc, rescaled, segment
 
 # Names of the walls of a box: the low and the high end along x, then along the other axes.
@@ -119,6 +120,11 @@ class Box(Container):
         return float(np.prod(np.subtract(self.upper, self.lower)))
 
     @property
+    def volume_in_space(self) -> float:
+        """With an axis of the cylinder, pi r^2 h."""
+        return float(np.pi * self.upper[0] * self.volume) if self.axisymmetric else self.volume
+
+    @property
     def periods(self) -> Array:
         """The sides along the periodic directions."""
         sides = np.diag(np.subtract(self.upper, self.lower))
@@ -208,6 +214,11 @@ class Round(Container):
         """Of the whole disc or ball, with an axis of half the disc."""
         whole = np.pi * self.radius**2 if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radius**3
         return float(whole) / (2.0 if self.axisymmetric else 1.0)
+
+    @property
+    def volume_in_space(self) -> float:
+        """With an axis of a ball, or half of one."""
+        return replace(self, axisymmetric=False, dimension=3).volume if self.axisymmetric else self.volume
 
     def scaled(self, factor: float) -> Self:
         """The radius times the factor."""

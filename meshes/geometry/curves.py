@@ -4,11 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fsi.arrays import Array
 from fsi.meshes.geometry.placed import Placed
-
-Array = NDArray[np.float64]
 
 SAMPLES = 65  # of a piece
 DIGITS = 15  # what doubles keep of any decimal number

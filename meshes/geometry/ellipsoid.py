@@ -18,9 +18,9 @@ from functools import cached_property
 
 import numpy as np
 
+from fsi.arrays import Array
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.geometry.feet import Foot
-from fsi.meshes.geometry.jets import Array
 
 ROUNDS, STARTS = 60, 24
 ZERO = 1e-15

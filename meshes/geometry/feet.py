@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.jets import Array
+from fsi.arrays import Array
 
 ROUNDS = 30
 ZERO, SHORT = 1e-14, 1e-15  # of the values where a root is looked for, and of t

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.jets import Array
-from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.arrays import Array, Indices
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.placed import Placed
 
 
 def to_images(
     lattice: Lattice, centres: Array, placed: Sequence[Placed], body: NDArray[np.integer[Any]], x: Array
-) -> Integers:
+) -> Indices:
     """The integers m (n, k) of the images at `centres + m @ vectors` that points x (n, d) of bodies are on.
 
     Of a body no longer than half a period that is the image whose centre is nearest; of others that whose

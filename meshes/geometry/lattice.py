@@ -15,11 +15,11 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.container import Array, lengths
+from fsi.arrays import Array, Indices
+from fsi.meshes.geometry.container import lengths
 from fsi.meshes.geometry.curves import WallCurve, rescaled
 from fsi.meshes.geometry.unbounded import WithoutWalls
 
-Integers = NDArray[np.int64]
 Vector = tuple[float, ...]
 
 SAME_PLACE = 1e-9  # of the longest period
@@ -60,12 +60,12 @@ class Lattice:
         """Points times it are their coordinates, (d, k)."""
         return _inverse(np.asarray(self.vectors, dtype=float).tobytes(), self.vectors.shape)
 
-    def shift(self, m: Integers) -> Array:
+    def shift(self, m: Indices) -> Array:
         """The translations m @ vectors, (n, d), of integers (n, k)."""
         moved: Array = m @ self.vectors
         return moved
 
-    def near(self, reach: float = 0.0) -> Integers:
+    def near(self, reach: float = 0.0) -> Indices:
         """All integers with |m_k| <= 1, shape (n, k), zero first; or as many periods as `reach` is long."""
         most = np.maximum(np.ceil(self._widths(reach)).astype(int), 1)
         every = list(product(*(sorted(range(-n, n + 1), key=abs) for n in most)))
@@ -77,7 +77,7 @@ class Lattice:
             return np.zeros(self.dimension)
         return np.asarray(distance * np.linalg.norm(self._inverse, axis=0))
 
-    def nearest(self, d: Array) -> Integers:
+    def nearest(self, d: Array) -> Indices:
         """The integers m (n, k) for which `d - m @ vectors` is shortest, for differences d (n, d)."""
         m = np.rint(self.coordinates(d)).astype(np.int64)
         if self.dimension < 2:
@@ -93,7 +93,7 @@ class Lattice:
         """The images of points (n, d) with lattice coordinates in [0, 1)."""
         return x - self.shift(np.floor(self.coordinates(x)).astype(np.int64))
 
-    def images(self, x: Array, distance: float) -> tuple[NDArray[np.intp], Integers]:
+    def images(self, x: Array, distance: float) -> tuple[NDArray[np.intp], Indices]:
         """The images that may lie within `distance` of points (n, d) in the cell, one of each opposite two.
 
         Of the images x_j + s and x_j - s, which lie from others as these do from them, only one is there.
@@ -119,7 +119,7 @@ class Lattice:
         return np.concatenate(originals), np.concatenate(m)
 
 
-def positive(m: Integers) -> NDArray[np.bool_]:
+def positive(m: Indices) -> NDArray[np.bool_]:
     """Of every two opposite shifts (n, k) one: that whose first component other than 0 is positive."""
     first_positive: NDArray[np.bool_] = np.sign(m) @ 3.0 ** -np.arange(m.shape[1]) > 0.0
     return first_positive

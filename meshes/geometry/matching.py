@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array, lengths
-from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, positive
+from fsi.meshes.geometry.container import lengths
+from fsi.meshes.geometry.lattice import SAME_PLACE, Lattice, positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +25,7 @@ class PeriodicPairs:
 
     slave: NDArray[np.int64]
     master: NDArray[np.int64]
-    shift: Integers
+    shift: Indices
 
 
 def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.container import Array
+from fsi.arrays import Array
 
 if TYPE_CHECKING:
     import scipy

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.jets import Array, JetOf, cross
+from fsi.arrays import Array
+from fsi.meshes.geometry.jets import JetOf, cross
 
 STEPS = 12
 CONVERGED = 1e-12  # of t, which the last step squares

@@ -13,8 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
+from fsi.arrays import Array
 from fsi.meshes.geometry.closed_curve import FEWEST, ClosedCurve
-from fsi.meshes.geometry.jets import Array, Jet, JetOf, circle, cross
+from fsi.meshes.geometry.jets import Jet, JetOf, circle, cross
 
 GAUSS = 12  # points on a piece
 SHARPEST = 1e-3  # smallest radius of curvature that sizes of elements follow, over the largest radius

@@ -7,7 +7,7 @@ integrated in closed form; Newton's method finds where its integral is some part
 import numpy as np
 from numpy.polynomial import legendre
 
-from fsi.meshes.geometry.curves import Array
+from fsi.arrays import Array
 from fsi.meshes.geometry.placed import Placed
 
 POINTS = 12  # of Gauss's rule on a stretch

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fsi.arrays import Array
 from fsi.meshes.geometry.feet import Foot, Opposite, Sampled, low_points, root, separate
-from fsi.meshes.geometry.jets import Array, Jet
+from fsi.meshes.geometry.jets import Jet
 from fsi.meshes.geometry.normals import CommonNormals, common_normals
 from fsi.meshes.geometry.outline import Outline
 
@@ -93,16 +94,16 @@ class Placed:
         t = self.outline.nearest(seen)
         return np.hypot(*(seen - self.outline.jet(t).x).T), self.outline.bend(t)
 
-    def gap_to_surface(self, opposite: Opposite, wave: float = np.inf) -> Foot:
+    def gap_to_surface(self, opposite: Opposite, wave: float) -> Foot:
         """The gap to a surface with this signed distance and gradient, and so far from crest to crest."""
         return self._foot(opposite, self._sampled(opposite, 0.0, wave))
 
-    def feet_on(self, opposite: Opposite, reach: float = np.inf, wave: float = np.inf) -> list[Foot]:
+    def feet_on(self, opposite: Opposite, reach: float, wave: float) -> list[Foot]:
         """All its gaps up to `reach`, and the narrowest, which comes first."""
         sampled = self._sampled(opposite, reach, wave)
         return self._apart(self._foot(opposite, sampled), self._feet(opposite, sampled, reach), sampled)
 
-    def feet_to(self, other: Placed, reach: float = np.inf) -> list[Foot]:
+    def feet_to(self, other: Placed, reach: float) -> list[Foot]:
         """All gaps to another body up to `reach`, and the narrowest, which comes first."""
         narrowest, spacing = self.gap_to(other), self.outline.spacing + other.outline.spacing
         if (self.outline.is_convex and other.outline.is_convex) or narrowest.gap > reach:

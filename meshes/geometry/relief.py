@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fsi.arrays import Array
 from fsi.meshes.geometry.closed_curve import FEWEST
 from fsi.meshes.geometry.curves import WallCurve, segment
-from fsi.meshes.geometry.jets import ArcChain, Array, Jet
+from fsi.meshes.geometry.jets import ArcChain, Jet
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
 

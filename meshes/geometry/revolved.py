@@ -19,7 +19,8 @@ from typing import override
 
 import numpy as np
 
-from fsi.meshes.geometry.jets import Array, circle
+from fsi.arrays import Array
+from fsi.meshes.geometry.jets import circle
 from fsi.meshes.geometry.outline import Outline
 
 SYMMETRIC = 1e-9  # of the radius, by which the mirror image of an outline may be off it
@@ -40,7 +41,7 @@ class BodyOfRevolution(Outline):
     angle: float = 0.0
 
     @classmethod
-    def about_axis(cls, outline: Outline, angle: float = 0.0) -> BodyOfRevolution:
+    def about_axis(cls, outline: Outline, angle: float) -> BodyOfRevolution:
         """The curve of a formula, whose origin is on the axis, moved along that."""
         body = cls(outline.formula, outline.joints, fewest=outline.fewest, angle=angle)
         if np.isnan(body.poles[0]):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fsi.meshes.geometry.jets import Array
+from fsi.arrays import Array
 
 
 def turn_between(angles: Array, others: Array) -> Array:

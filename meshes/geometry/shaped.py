@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from fsi.meshes.geometry.container import Array, Container
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.curves import Sphere, WallCurve
 from fsi.meshes.geometry.derived import DerivedContainer
 from fsi.meshes.geometry.relief import Heights, Relief

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array
+from fsi.arrays import Array
 from fsi.meshes.geometry.curves import Sphere, WallCurve, stretched
 from fsi.meshes.geometry.derived import DerivedContainer
 
@@ -47,6 +47,11 @@ class Stretched(DerivedContainer):
     def volume(self) -> float:
         """Times the factor to the power of the dimension of the points."""
         return self.factor**self.dimension * self.inner.volume
+
+    @property
+    def volume_in_space(self) -> float:
+        """With an axis times the third power."""
+        return self.factor ** (3 if self.axisymmetric else self.dimension) * self.inner.volume_in_space
 
     def outline(self) -> tuple[WallCurve, ...]:
         """The same pieces, larger."""

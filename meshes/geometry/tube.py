@@ -7,7 +7,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, Container, lengths
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import Container, lengths
 from fsi.meshes.geometry.curves import Cylinder, Sphere, rescaled
 
 SIDES = 96  # of a ring in pictures

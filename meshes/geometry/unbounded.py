@@ -7,7 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, Container
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import Container
 
 
 class WithoutWalls(Container):

@@ -29,9 +29,9 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
 from fsi.meshes.cells.curved import SIMPLEX, WORST_ACCEPTED, determinant, scaled_jacobian
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.placed import Placed
@@ -223,7 +223,7 @@ class Mover:
         return worst if worst >= least and distortion <= LARGEST_DISTORTION else None
 
 
-def vertex_element(dimension: int = 2) -> basix.ufl._ElementBase:
+def vertex_element(dimension: int) -> basix.ufl._ElementBase:
     """Continuous linear functions."""
     return basix.ufl.element("Lagrange", SIMPLEX[dimension], 1)
 

@@ -26,9 +26,9 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.cells.curved import barycentric, reference_points
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.lattice import Lattice
 
 

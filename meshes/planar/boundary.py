@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.planar.opened import opened
 from fsi.meshes.planar.outlines import outline_rings
 from fsi.meshes.planar.rings import half_ring, rings

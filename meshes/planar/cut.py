@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its modules load when they are used
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array
-from fsi.meshes.planar.links import Indices, NeighbourLinks, neighbours
+from fsi.meshes.planar.links import NeighbourLinks, neighbours
 from fsi.meshes.planar.sizing import Surfaces
 
 

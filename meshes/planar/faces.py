@@ -18,8 +18,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.links import NeighbourLinks
 from fsi.meshes.planar.sizing import Surfaces
 

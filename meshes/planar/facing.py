@@ -16,7 +16,8 @@ from math import asinh, ceil, sqrt
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, Container
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.resolution import FINEST, LONGEST
 

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.container import HERE, Array, FluidDomain
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import HERE, FluidDomain
 
 GROWTH = 2.0
 DEPTH = 6

@@ -7,15 +7,13 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.feet import Foot
-from fsi.meshes.geometry.lattice import Integers, positive
+from fsi.meshes.geometry.lattice import positive
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.wall_feet import wall_feet
 from fsi.meshes.planar.sizing import Surfaces
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +33,7 @@ class NeighbourLinks:
 
     first: Indices
     second: Indices
-    shift: Integers
+    shift: Indices
     step: Array
     gap: Array
     along: Array
@@ -43,7 +41,7 @@ class NeighbourLinks:
     turns: Array
 
     @staticmethod
-    def straight(first: Indices, second: Indices, shift: Integers, step: Array, gap: Array) -> NeighbourLinks:
+    def straight(first: Indices, second: Indices, shift: Indices, step: Array, gap: Array) -> NeighbourLinks:
         """Links from centre to centre."""
         along = step / np.hypot(step[:, 0], step[:, 1])[:, None]
         turns = np.column_stack([np.arctan2(way[:, 1], way[:, 0]) for way in (step, -step)])

@@ -9,15 +9,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import cut
 from fsi.meshes.planar.faces import Faces, HalfLinks
 from fsi.meshes.planar.outlines import outline_arcs, outline_rings
 from fsi.meshes.planar.rings import arcs, rings
 from fsi.meshes.planar.sizing import INSIDE, Curve, Surfaces
-from fsi.meshes.planar.spread import Indices
 from fsi.meshes.planar.strips import divided
 
 LINK_PIECES = 16  # of a link, to begin with

@@ -12,14 +12,14 @@ from math import ceil, floor
 
 import numpy as np
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.closed_curve import AT_JOINT
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.wall_feet import wall_feet
 from fsi.meshes.planar.sizing import Curve, Surfaces
-from fsi.meshes.planar.spread import Indices, resolve_all, spread
+from fsi.meshes.planar.spread import resolve_all, spread
 from fsi.meshes.resolution import SHORTEST
 
 FEWEST = 8  # elements around a body

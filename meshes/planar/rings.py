@@ -12,11 +12,11 @@ from math import ceil, floor
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.facing import NARROW, FacedGap, on_circle
 from fsi.meshes.planar.sizing import Curve, Surfaces
-from fsi.meshes.planar.spread import Indices, resolve_all, spread_all
+from fsi.meshes.planar.spread import resolve_all, spread_all
 from fsi.meshes.resolution import SHORTEST
 
 

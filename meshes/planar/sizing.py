@@ -27,14 +27,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.arrays import Array, Indices
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
-from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.nearby import NearbyPoints
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.facing import NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
-from fsi.meshes.planar.spread import Indices, equidistribute_all, resolve_all, spread_all
+from fsi.meshes.planar.spread import equidistribute_all, resolve_all, spread_all
 from fsi.meshes.resolution import Resolution
 
 NEIGHBOURS = 16
@@ -84,7 +85,7 @@ class Surfaces:
 
     container: Container
     centres: Array
-    shifts: Integers
+    shifts: Indices
     radii: Array
     nearby: NearbyPoints
     bodies: int

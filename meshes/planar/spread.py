@@ -5,15 +5,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array
 
 MOST_HALVINGS = 60
 # Calls take longer than the sizes of few places: of few intervals they are found ahead, for some halvings.
 FEW, AT_ONCE = 64, 3
 SAME_PLACE = 1e-3  # of the distance between places
 
-Indices = NDArray[np.int64]
 type Sizes = Callable[[Array, Indices], Array]
 
 

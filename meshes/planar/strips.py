@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.container import Array
+from fsi.arrays import Array
 from fsi.meshes.planar.cut import shortest_tree
 from fsi.meshes.planar.links import NeighbourLinks, joined, neighbours
 from fsi.meshes.planar.sizing import Surfaces

@@ -15,9 +15,9 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.machine.signals import held
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.helping import shared_out
 from fsi.meshes.planar.far_size import BODIES, FarSize
 from fsi.meshes.planar.sizing import INSIDE, Curve
@@ -25,8 +25,6 @@ from fsi.meshes.planar.sizing import INSIDE, Curve
 REST = BODIES + 1  # the curves that gmsh gets
 DELAUNAY = 5  # grades better than the frontal algorithm in large containers
 REMEDY = "lower discretisation.growth or raise cells_per_circle"
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

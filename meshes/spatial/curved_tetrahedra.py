@@ -27,11 +27,11 @@ from itertools import combinations, permutations
 import basix
 import numpy as np
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.cells.curved import CurvedCells, along_side, barycentric, reference_points
-from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
-from fsi.meshes.planar.triangulate import Indices, StraightCells, places_of
+from fsi.meshes.planar.triangulate import StraightCells, places_of
 
 type RoundSurface = Sphere | PlacedEllipsoid
 

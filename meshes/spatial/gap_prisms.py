@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.meshes.geometry.container import Array, FluidDomain, lengths
+from fsi.arrays import Array, Indices
+from fsi.meshes.geometry.container import FluidDomain, lengths
 from fsi.meshes.planar.spread import equidistribute
-from fsi.meshes.planar.triangulate import Indices
 from fsi.meshes.spatial.sizing import Spacing
 
 WIDEST = 0.5  # radius of a layer, in radii of the smaller body

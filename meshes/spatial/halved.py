@@ -11,8 +11,9 @@ from itertools import combinations
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, lengths
-from fsi.meshes.planar.triangulate import Indices, StraightCells, side_keys
+from fsi.arrays import Array, Indices
+from fsi.meshes.geometry.container import lengths
+from fsi.meshes.planar.triangulate import StraightCells, side_keys
 
 EDGES = np.array(list(combinations(range(4), 2)))
 

@@ -16,8 +16,7 @@ from math import floor, sqrt
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array
-from fsi.meshes.geometry.lattice import Integers
+from fsi.arrays import Array, Indices
 from fsi.meshes.spatial.sizing import LENGTH, SHORTEST, Spacing
 
 type Key = tuple[int, int, int]
@@ -99,7 +98,7 @@ class LocalSizes:
         least = min(bounds)
         return self._listed(np.flatnonzero(of_body - self._growth * r <= least), np.flatnonzero(low <= least))
 
-    def _listed(self, bodies: Integers, pairs: Integers) -> _Near:
+    def _listed(self, bodies: Indices, pairs: Indices) -> _Near:
         """These bodies and pairs, and the surfaces of the pairs."""
         every = np.union1d(bodies, self._surfaces[pairs])
         count = len(self._radii)

@@ -14,9 +14,10 @@ from dataclasses import replace
 import numpy as np
 import scipy  # its modules load when they are used
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.cells.curved import CurvedCells, barycentric, reference_points
-from fsi.meshes.geometry.container import Array, lengths
-from fsi.meshes.planar.triangulate import Indices, StraightCells, places_of, side_keys
+from fsi.meshes.geometry.container import lengths
+from fsi.meshes.planar.triangulate import StraightCells, places_of, side_keys
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.halved import EDGES
 

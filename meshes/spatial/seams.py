@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.meshes.geometry.container import Array
-from fsi.meshes.planar.triangulate import Indices
+from fsi.arrays import Array, Indices
 from fsi.meshes.spatial.gap_prisms import GapPrisms
 from fsi.meshes.spatial.sizing import Spacing
 

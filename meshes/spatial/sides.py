@@ -24,9 +24,10 @@ from typing import Any
 import numpy as np
 import scipy  # its modules load when they are used
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array, Container, FluidDomain
-from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.meshes.geometry.container import Container, FluidDomain
+from fsi.meshes.geometry.lattice import Lattice
 
 PLACES = 400  # that are tried for each side
 FEW = 20  # of them that are tried together with those of the other sides
@@ -96,7 +97,7 @@ class Sides:
                 tied += [faces[master], faces[slave]]
         return tied
 
-    def matched(self, vertices: Array, on_sides: Integers) -> Array:
+    def matched(self, vertices: Array, on_sides: Indices) -> Array:
         """The vertices (n, 3) with those of high sides where their images on low ones are, to the last bit.
 
         on_sides: numbers of the vertices on all sides. Where curves meet, the kernel of gmsh has its own
@@ -204,7 +205,7 @@ def _middle_of_best(score: Array) -> int:
     return int((start + (low + high) // 2) % len(score))
 
 
-def images(domain: FluidDomain, sides: Sides, reach: float) -> tuple[FluidDomain, Integers]:
+def images(domain: FluidDomain, sides: Sides, reach: float) -> tuple[FluidDomain, Indices]:
     """The domain with all images of its spheres that come as near as `reach` to the cell, and whose they are.
 
     The images of one sphere are spheres of their own there, (g,) in all.
@@ -223,7 +224,7 @@ def images(domain: FluidDomain, sides: Sides, reach: float) -> tuple[FluidDomain
     return opened, of[near]
 
 
-def with_bodies(tags: Integers, of: Sequence[int] | Integers, bodies: int) -> Integers:
+def with_bodies(tags: Indices, of: Sequence[int] | Indices, bodies: int) -> Indices:
     """Tags of bodies, walls and sides from those of the images, whose bodies are `of`."""
     numbers = np.asarray(of, dtype=np.int64)
     rest = tags - len(numbers) + bodies

@@ -27,10 +27,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array, FluidDomain, lengths
+from fsi.meshes.geometry.container import FluidDomain, lengths
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
-from fsi.meshes.geometry.lattice import Integers
 from fsi.meshes.geometry.wall_feet import feet_in_space
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.grading import edge_sizes
@@ -82,7 +82,7 @@ class Spacing:
     domain: FluidDomain
     resolution: Resolution
     sides: Sides | None = None
-    of: Integers | None = None
+    of: Indices | None = None
     parted: bool = False
 
     @property
@@ -92,7 +92,7 @@ class Spacing:
         return times * self.domain.container.largest_element(times * self.resolution.cells_per_circle)
 
     @property
-    def bodies(self) -> Integers:
+    def bodies(self) -> Indices:
         """Of which body each sphere is an image, (n,)."""
         return np.arange(len(self.domain.radii)) if self.of is None else self.of
 

@@ -9,11 +9,12 @@ import gmsh
 import numpy as np
 import scipy  # its modules load when they are used
 
+from fsi.arrays import Indices
 from fsi.meshes.cells.curved import CurvedCells, require_valid
 from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere, rescaled
-from fsi.meshes.planar.triangulate import REMEDY, Indices, StraightCells, gmsh_model, require_boundary
+from fsi.meshes.planar.triangulate import REMEDY, StraightCells, gmsh_model, require_boundary
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets
 from fsi.meshes.spatial.gap_prisms import (

@@ -17,9 +17,10 @@ from itertools import batched
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.arrays import Array, Indices
 from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
-from fsi.meshes.geometry.container import Array, lengths
-from fsi.meshes.planar.triangulate import Indices, StraightCells
+from fsi.meshes.geometry.container import lengths
+from fsi.meshes.planar.triangulate import StraightCells
 from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, bent_cells, curve_tets, curved_places
 
 WANTED = 2.0 * WORST_ACCEPTED  # of the cells of a mesh that is mended at all

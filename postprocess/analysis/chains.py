@@ -20,7 +20,8 @@ from rich.table import Table
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError

@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.forces import separations
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
@@ -101,10 +102,8 @@ def _lubricated(case: Case, q: Configuration, links: ChainLinks, x: Array) -> Ch
     (i, j), a = links.ends.T, q.radii
     is_wall = j >= len(q)
     other = a[np.where(is_wall, 0, j)]
-    spheres = case.container().spheres
-    curvature = np.array([*(0.0 if sphere is None else 1.0 / sphere.radius for sphere in spheres), 0.0])
-    of_wall = curvature[np.where(is_wall, j - len(q), -1)]
-    radius = np.where(is_wall, 1.0 / (1.0 / a[i] - of_wall), a[i] * other / (a[i] + other))
+    radius = a[i] * other / (a[i] + other)
+    radius[is_wall] = case.container().reduced_radii(a)[i[is_wall], j[is_wall] - len(q)]
     if case.model == "reduced":
         kappa = make_laws(case).kappa(x, Films(radius, overlap(radius, a[i]), is_wall))
     else:

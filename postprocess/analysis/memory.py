@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from rich.table import Table
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.postprocess.run.run import Run
 from fsi.postprocess.run.tables import spread

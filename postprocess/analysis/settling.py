@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
+from fsi.levels import VISCOUS
 from fsi.lubrication import exact, spheres
 from fsi.postprocess.run.run import Run
 from fsi.report.console import table
@@ -57,7 +58,7 @@ def _kind(case: Case) -> str:
 def exact_gap(case: Case, t: Array) -> Array:
     """The exact gap at times t of the only body of a case, a disc or a sphere.
 
-    Raises InputError: it is not one body above a plane under a constant normal force.
+    Raises InputError: it is not one body in a viscous fluid above a plane under a constant normal force.
     """
     force, body = _normal_force(case), case.bodies[0]
     law = spheres.settling_gap if case.spheres else exact.settling_gap
@@ -83,6 +84,9 @@ def asymptotic_gap(case: Case, t: Array) -> Array:
 
 def _normal_force(case: Case) -> float:
     """The constant normal force on the only body; InputError where the exact law does not apply."""
+    if not case.level.viscous:
+        model = f'model = "{case.model}": has no viscous fluid, in which the exact law lets bodies settle'
+        raise InputError(f"{model}; give a run of {', '.join(VISCOUS[:-1])} or {VISCOUS[-1]}")
     if "plane" not in case.container().walls:
         raise InputError(f'domain.shape = "{case.domain.shape}": the exact settling law needs "half-plane"')
     if len(case.bodies) != 1:

@@ -14,7 +14,8 @@ from matplotlib.patches import Circle, Patch, Polygon
 from numpy.typing import NDArray
 
 from fsi.arrangements.arrangement import Arrangement
-from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.cell import SimulationCell
+from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.errors import InputError

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.calibration.calibrate import LAW, SUMMARY
 from fsi.case.law_file import LawFile, read_law_file
 from fsi.errors import InputError

@@ -12,7 +12,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
 from fsi.postprocess.analysis.strain import accumulated_strain

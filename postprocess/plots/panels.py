@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.bodies.configuration import PLACES, Array
+from fsi.arrays import Array
+from fsi.bodies.configuration import PLACES
 from fsi.bodies.gaps import smallest_of_each
 from fsi.bodies.surface_gap import gap_between
 from fsi.errors import InputError

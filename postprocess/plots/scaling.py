@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.files import content, replace
 from fsi.postprocess.plots.figure import COLOURS, LIGHT, Theme, label_short, plain, saved_figure

@@ -13,7 +13,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.comparison.motion import LIMITS, RateComparison, Trajectories
 from fsi.comparison.viscosity import ViscosityHistories
 from fsi.gluey.limit_study import Study

@@ -7,20 +7,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
-from fsi.bodies.configuration import Array
-from fsi.case.section import toml_text
-from fsi.postprocess.plots.figure import COLOURS, plain, saved_figure
-from fsi.studies.sweep import Average, SweepPlan, SweepRow
+from fsi.arrays import Array
+from fsi.postprocess.plots.figure import COLOURS, PlainNumbers, plain, saved_figure
+from fsi.studies.sweep import Average, SweepPlan, SweepRow, value_text
 
 _MARKERS = "os^Dv<>"
 _DECADES = 2.0  # that values span from which on their axis may be logarithmic
 
 
 def plot_sweep(plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence[Average], path: Path) -> None:
-    """A panel for each quantity; bars are the standard deviation of one run, faint dots the runs.
+    """A panel for each quantity; bars are the standard deviation of one run over seeds, faint dots the runs.
 
-    Values of the first key that are no numbers stand side by side; each combination of the other keys has a
-    curve. Raises InputError: the file cannot be written.
+    Where each point has one run only, bars are its error bars. Values of the first key that are no numbers
+    stand side by side, and no lines join them; each combination of the other keys has a colour. Raises
+    InputError: the file cannot be written.
     """
     count = len(plan.quantities)
     with saved_figure(path, (5.5 * count, 4.2)) as figure:
@@ -42,23 +42,32 @@ def _draw(axes: Axes, plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence
         of_curve = [found[i * curves + k] for i in order]
         x = np.array(place)[order]
         others = list(of_curve[0].point.items())[1:]
-        label = ", ".join(f"{key} = {toml_text(value)}" for key, value in others)
-        mean, deviation = (
-            np.array([getattr(one, name) for one in of_curve]) for name in ("mean", "deviation")
-        )
+        label = ", ".join(f"{key} = {value_text(value)}" for key, value in others)
+        mean, bars = np.array(
+            [(one.mean, one.deviation if plan.averaged else one.error) for one in of_curve]
+        ).T
         axes.errorbar(
-            x, mean, np.nan_to_num(deviation), color=colour, marker=marker, capsize=3, label=plain(label)
+            x,
+            mean,
+            np.nan_to_num(bars) if np.isfinite(bars).any() else None,
+            color=colour,
+            marker=marker,
+            ls="-" if numeric else "",
+            capsize=3,
+            label=plain(label),
         )
         for i, at in zip(order, x, strict=True):
             group = rows[(i * curves + k) * each : (i * curves + k + 1) * each]
             known = [row.values[of_curve[0].quantity].value for row in group if row.values is not None]
             axes.plot(np.full(len(known), at), known, ".", color=colour, alpha=0.4, ms=5, zorder=1)
     axes.set(xlabel=plain(plan.keys[0].name) if plan.keys else "")
+    axes.yaxis.set_major_formatter(PlainNumbers())
     if numeric and _are_decades(np.sort(place)):
         axes.set_xscale("log")
         axes.xaxis.set_minor_formatter(NullFormatter())
     if not numeric or not plan.keys:
-        axes.set_xticks(place, [plain(toml_text(value)) for value in values] if plan.keys else [""])
+        axes.set_xticks(place, [plain(value_text(value)) for value in values] if plan.keys else [""])
+        axes.set_xlim(-0.5, len(values) - 0.5)
 
 
 def _are_decades(x: Array) -> bool:

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.plots.figure import COLOURS, GREY, LIGHT, Theme, plain, saved_figure

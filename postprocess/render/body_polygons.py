@@ -13,7 +13,8 @@ from matplotlib.path import Path
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
 from fsi.postprocess.render.view import View

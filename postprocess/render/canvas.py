@@ -17,7 +17,8 @@ from matplotlib.cm import ScalarMappable
 from numpy.typing import NDArray
 from PIL import Image
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import LIGHT, Theme
 from fsi.postprocess.render.body_polygons import body_polygons, filled, outlined
@@ -218,7 +219,7 @@ def new_panel(view: View, size: int, theme: Theme = LIGHT) -> Panel:
     return Panel(_blank(size, theme.solid, view.aspect), view, size, theme)
 
 
-def new_spatial_panel(view: View, size: int, theme: Theme = LIGHT) -> SpatialPanel:
+def new_spatial_panel(view: View, size: int, theme: Theme) -> SpatialPanel:
     """An empty panel of space."""
     panel = SpatialPanel(_blank(size, theme.page), view, size, theme)
     panel.plotter.enable_depth_peeling(8)

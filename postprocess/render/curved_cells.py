@@ -12,7 +12,7 @@ from numpy.polynomial.polynomial import polyvander
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.cells.lagrange import order_of, reference_nodes, small_simplices, tabulate
 from fsi.postprocess.run.grids import Indices, along_curves, counted, nodes
 

@@ -7,7 +7,8 @@ import pandas as pd
 import pyvista as pv
 from scipy.spatial import cKDTree
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.surface_gap import SurfaceGap
 from fsi.case.shapes.ellipse import Ellipse
 from fsi.errors import InputError

@@ -22,13 +22,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Literal, Self, override
 
-from fsi.errors import InputError
+from fsi.errors import InputError, refuse_taken
 
 if TYPE_CHECKING:  # for `fsi render --help`, which lists the fields, what draws them is not imported
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Colormap, Normalize
 
-    from fsi.bodies.configuration import Array
+    from fsi.arrays import Array
 
 type KnownAtPoints = Mapping[str, Array]
 type Span = tuple[float, float]
@@ -251,7 +251,9 @@ _FIELDS: dict[str, RenderedField] = {}
 
 
 def register_field(field: RenderedField) -> None:
-    """Let `fsi render --field` show it."""
+    """Let `fsi render --field` show it. Raises ValueError: another one, of another file, has its name."""
+    if field.name in _FIELDS:
+        refuse_taken(field.name, _FIELDS[field.name].value, field.value)
     _FIELDS[field.name] = field
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.background_flow import background
 from fsi.errors import InputError
 from fsi.postprocess.run.run import Run

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 import pyvista as pv
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.spatial.sides import frame

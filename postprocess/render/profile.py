@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import BLUE
 from fsi.postprocess.plots.trajectories import PROFILES, profile_ends, profile_scales

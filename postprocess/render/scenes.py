@@ -11,10 +11,11 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array, Indices
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.surface_gap import SurfaceGap, gap_between, narrowest_gap
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine, stream_function
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import UndisturbedFlow, undisturbed
@@ -200,7 +201,7 @@ def images(q: Configuration, container: Container, view: View) -> tuple[Configur
     return Configuration(centres[seen], angles[seen], radii[seen], outlines), which
 
 
-def _near(lattice: Lattice, centre: Array, view: View, length: float) -> Integers:
+def _near(lattice: Lattice, centre: Array, view: View, length: float) -> Indices:
     """The integers of all images of what is so long, around `centre`, that may meet the window."""
     reach = int(np.ceil((2.0 * view.half + length) / np.linalg.norm(lattice.vectors, axis=1).min()))
     ranges = [np.arange(-reach, reach + 1)] * lattice.dimension

@@ -7,7 +7,8 @@ import numpy as np
 import pyvista as pv
 from matplotlib.cm import ScalarMappable
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.surface_gap import gap_between
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import ASLANT, INK, Picture, new_panel, new_spatial_panel

@@ -15,7 +15,8 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import Picture, new_panel
 from fsi.postprocess.render.fields import FromZero, Span, shaded

@@ -8,7 +8,7 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.surface_gap import SurfaceGap
 from fsi.meshes.geometry.container import Container
 from fsi.postprocess.plots.figure import DARK, LIGHT, Theme

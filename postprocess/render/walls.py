@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import pyvista as pv
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.postprocess.render.canvas import Panel
 from fsi.postprocess.render.view import View
 from fsi.postprocess.run.run import Run

@@ -19,7 +19,7 @@ _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that t
 _REMEDY = "run the case again, or ask for another time"  # `fsi resume` does not look at field files
 
 
-def read_grid(path: Path, names: Sequence[str] = ()) -> pv.UnstructuredGrid:
+def read_grid(path: Path, names: Sequence[str]) -> pv.UnstructuredGrid:
     """The grid of a .vtu file, with these values at its nodes. Raises InputError: it is damaged."""
     if not path.is_file():
         raise InputError(f"{path}: is not there, or no file; {_REMEDY}")

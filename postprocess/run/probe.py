@@ -16,7 +16,8 @@ import pyvista as pv
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.arguments import require_type
 from fsi.errors import InputError
 from fsi.files import data_of, write_whole

@@ -22,7 +22,8 @@ import numpy as np
 import pandas as pd
 import pyvista as pv
 
-from fsi.bodies.configuration import PLACES, Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import PLACES, Configuration
 from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.errors import InputError

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.feet import Feet, feet_between, find_feet
 from fsi.bodies.gaps import find_gaps
 from fsi.case.profiles.wave import Wave

@@ -12,7 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError

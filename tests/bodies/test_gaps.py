@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, nearest_gaps, smallest_of_each, without_rounding
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box

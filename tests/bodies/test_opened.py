@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.opened import way_out
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.calibration.pair import pair_of
+from fsi.calibration.finding import pair_of
 from fsi.calibration.sampling import Sampling, compute_sample, take_samples
 from fsi.case.law_file import read_law_file
 from fsi.errors import FsiError, SolveError

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.calibration.drag import calibrated_drag, reduced_model
 from fsi.case.case import Case
 from fsi.case.drag_file import DragFile, read_drag_file, save_drag

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.calibration.pair import pair_of
+from fsi.calibration.finding import pair_of
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.integration.errors import ErrorEstimate
@@ -157,12 +157,13 @@ def test_forces_between_bodies_do_not_count() -> None:
 
 
 PLAN = {"pair": ["disc", "left"], "range": [1e-3, 0.1]}
-PAIR = [
+PAIR: list[dict[str, Any]] = [
     {"name": "small", "radius": 0.5, "position": [0.0, 0.0]},
     {"name": "large", "radius": 1.0, "position": [1.2, 1.6]},
 ]
-CELL = {"shape": "cell", "vectors": [[9.0, 0.0], [0.0, 9.0]], "extension": 0.5}
+CELL = {"shape": "cell", "vectors": [[9.0, 0.0], [0.0, 9.0]]}
 DRIVEN = {"lower": [-5.0, -5.0], "upper": [5.0, 5.0], "periodic": ["x"], "pressure_gradient": 2.0}
+FLOWING = {"lower": [-5.0, -5.0], "upper": [5.0, 5.0], "periodic": ["x"], "net_flux": 2.0}
 SLIDING = {"lower": [-5.0, -5.0], "upper": [5.0, 5.0], "walls": {"left": {"slip_length": 0.1}}}
 MOVING = {"shape": "box", "lower": [-5.0, -5.0], "upper": [5.0, 5.0], "walls": {"top": [1.0, 0.0]}}
 ROUND = {
@@ -197,13 +198,29 @@ def planned(**plan: Any) -> dict[str, Any]:
         (two(mode="rotation"), 'calibration.mode = "rotation": bodies of two radii slide'),
         (two(pair=["small", "left"]), "the case has 2 bodies; drop those"),
         (planned(pair=["disc", "far"]) | ROUND, "this wall is not plane"),
-        (two() | {"domain": CELL, "bodies": PAIR}, "domain.extension = 0.5: .* needs fluid at rest"),
-        (two() | {"domain": DRIVEN}, "domain.pressure_gradient = 2: .* needs fluid at rest"),
+        (two() | {"domain": DRIVEN}, "domain.pressure_gradient = 2.0: .* needs fluid at rest"),
+        (two() | {"domain": FLOWING}, "domain.net_flux = 2.0: .* needs fluid at rest"),
         (planned() | {"domain": MOVING}, "domain.walls.top = .* needs walls at rest"),
     ],
 )
 def test_mistakes(data: dict[str, Any], complaint: str) -> None:
     with pytest.raises(InputError, match=complaint):
+        pair_of(parse_case(data))
+
+
+@pytest.mark.parametrize("key", ["shear", "extension", "stress"])
+def test_no_flow_carries_a_pair_of_a_cell(key: str) -> None:
+    """A stress 1 would make of this pair's resistance 43.38 at the gap 0.3 one of 4.845 (regressions)."""
+    pair_of(parse_case(two() | {"domain": CELL, "bodies": PAIR}))
+    with pytest.raises(InputError, match=f"domain.{key} = 0.5: a resistance needs fluid at rest"):
+        pair_of(parse_case(two() | {"domain": CELL | {key: 0.5}, "bodies": PAIR}))
+
+
+def test_no_uniaxial_flow_carries_a_pair_of_a_cell_in_space() -> None:
+    cell = {"shape": "cell", "vectors": (9.0 * np.eye(3)).tolist(), "uniaxial": 0.5}
+    bodies = [body | {"position": [*body["position"], 0.0]} for body in PAIR]
+    data = two() | {"geometry": "spatial", "domain": cell, "bodies": bodies}
+    with pytest.raises(InputError, match=r"domain\.uniaxial = 0.5: a resistance needs fluid at rest"):
         pair_of(parse_case(data))
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from fsi.calibration.calibrate import summary
-from fsi.calibration.pair import pair_of
+from fsi.calibration.finding import pair_of
 from fsi.calibration.result import fit_law
 from fsi.calibration.sampling import planned_gaps
 from fsi.report.studies import lines

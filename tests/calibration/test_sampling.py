@@ -16,7 +16,8 @@ from numpy.testing import assert_allclose
 import fsi.calibration.calibrate
 import fsi.calibration.sampling
 from fsi.calibration.calibrate import calibrate_case, summary
-from fsi.calibration.pair import Pair, pair_of
+from fsi.calibration.finding import pair_of
+from fsi.calibration.pair import Pair
 from fsi.calibration.result import HeldOut, fit_law
 from fsi.calibration.samples import Sample, Samples, as_arrays, keep_sample, read_sample
 from fsi.calibration.sampling import Sampling, key_of, planned_gaps, take_samples

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fsi
-from fsi.calibration.pair import pair_of
+from fsi.calibration.finding import pair_of
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 

@@ -59,6 +59,11 @@ def test_defaults_hold_for_arranged_bodies() -> None:
             {"arrangement": GIVEN | {"kind": "heap"}},
             r'arrangement.kind = "heap": not one of the choices',
         ),
+        (
+            {"arrangement": GIVEN | {"area_fracton": 0.2}},
+            r"area_fracton = 0.2: .*; use arrangement\.area_fraction ",
+        ),
+        ({"arrangement": 5}, r"^arrangement = 5: not a section"),
         ({"arrangement": {"kind": "square"}}, r"arrangement.number: missing; give how many bodies"),
         (
             {"arrangement": GIVEN | {"area_fraction": 1.2}},

@@ -66,6 +66,22 @@ def test_defaults() -> None:
     assert case.wall_pressure() == {}
 
 
+@pytest.mark.parametrize(
+    ("geometry", "domain", "fraction"),
+    [
+        ("axisymmetric", {"shape": "half-plane", "radius": 100.0}, 2.0 * 0.5**3 / 100.0**3),
+        ("axisymmetric", {"shape": "round", "radius": 10.0}, 0.05**3),
+        ("axisymmetric", {"lower": [0.0, 0.0], "upper": [2.0, 5.0]}, 4.0 / 3.0 * 0.5**3 / (2.0**2 * 5.0)),
+        ("planar", {"shape": "round", "radius": 10.0}, 0.05**2),
+    ],
+)
+def test_the_part_that_is_bodies(geometry: str, domain: dict[str, Any], fraction: float) -> None:
+    """On an axis balls of a half ball, a ball or a cylinder, in the plane discs; by their formulas."""
+    body = {"name": "body", "radius": 0.5, "position": [0.0, 2.0]}
+    case = parse_case(BOX | {"geometry": geometry, "domain": domain, "bodies": [body]})
+    assert case.fraction == pytest.approx(fraction, rel=1e-13)
+
+
 def test_motion_and_loads_follow_their_tables() -> None:
     data = changed("bodies.0.velocity", [{"times": [1.0, 3.0], "values": [0.0, 4.0]}, "free"])
     data["bodies"][0] |= {"force": [0.0, -2.0], "mass": 2.0, "moment_of_inertia": 1.0}

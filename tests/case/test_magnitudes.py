@@ -72,3 +72,13 @@ def test_a_key_where_none_is_known_is_to_be_dropped() -> None:
     with pytest.raises(InputError) as caught:
         parse_case(data)
     assert str(caught.value) == "domain.walls.top = {pressure = 1.0}: unknown key; drop it"
+
+
+@pytest.mark.parametrize("upper", [[1e15, 16.0], [8.0, 1e15]])
+def test_a_gap_that_large_coordinates_do_not_tell_is_no_touch(upper: list[float]) -> None:
+    """0.1 beside a wall, rounded to 8 eps 1e15; the disc was said to cross it and to be moved."""
+    with pytest.raises(
+        InputError, match=r"'disc' and wall 'bottom' \(gap 0\.1\): .* rounded to gaps of 1\.8;"
+    ):
+        parse_case(changed("domain.upper", upper))
+    parse_case(changed("domain.upper", [1e12, 16.0]))

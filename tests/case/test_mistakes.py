@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.case.checks.expected import check_expected
+from fsi.case.domain import Walled
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from tests.case_data import BOX, changed
@@ -35,13 +36,15 @@ BAD = [
     ("fluid.viscosity", "1.0", ['"1.0"', "valid number"]),
     ("fluid.viscosity", True, ["true", "valid number"]),
     ("fluid.viscosity", None, ["missing", "give the dynamic viscosity"]),
-    ("domain", None, ["missing", 'of shape "box", "half-plane", "round", "tube", "cell" or "unbounded"']),
+    ("domain", None, ["missing", f"of shape {Walled.registry.choices}"]),
     ("fluid.viscocity", 1.0, ["unknown key", "use fluid.viscosity"]),
     ("fluids", {}, ["unknown key", "use fluid "]),
     ("fluid", {1: 2}, ["fluid.1 = 2", "unknown key", "use fluid.viscosity"]),
     ("body_defaults", {1: 2}, ["body_defaults.1", "unknown key"]),
     ("domain.angles", 1.0, ["unknown key", "use domain.shape, domain.walls"]),  # none is like it
     ("discretization", {}, ["unknown key", "use discretisation"]),
+    ("grids", [{"contents": 3}], ["grids.0.contents = 3", "unknown key; use grids.0.counts or drop it"]),
+    ("grids", [5], ["grids.0 = 5: not a section"]),
     ("discretisation.cells_per_cicle", 3, ["use discretisation.cells_per_circle"]),
     ("discretisation.degree", 7, ["7", "2 to 6"]),
     ("discretisation.degree", 2.5, ["2.5", "integer"]),
@@ -51,7 +54,7 @@ BAD = [
     ("domain.upper", [8.0], ["has 1 components where this geometry has 2"]),
     ("domain.upper", [8.0, math.inf], ["finite"]),
     ("domain.radius", 1.0, ["unknown key"]),
-    ("domain.shape", "disc", ['"disc"', 'give "box", "half-plane", "round", "tube", "cell" or "unbounded"']),
+    ("domain.shape", "disc", ['"disc"', f"give {Walled.registry.choices}"]),
     # A key of several shapes of domains: the remedy is that of the shape which is meant.
     (
         "domain",

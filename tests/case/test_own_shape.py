@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pydantic import Field
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.forces import Bulk
 from fsi.case.case import Case
 from fsi.case.domain import Walled, register_domain
@@ -131,9 +131,7 @@ def test_its_walls_are_checked_like_those_of_all_shapes() -> None:
 
 
 def test_it_is_known_by_name_and_by_its_keys() -> None:
-    with pytest.raises(
-        InputError, match='give "box", "half-plane", "round", "tube", "cell", "unbounded" or "triangle"'
-    ):
+    with pytest.raises(InputError, match=r'domain\.shape = "tringle": .*; give "box", .* or "triangle"'):
         in_triangle([0.0, 0.0], shape="tringle", corners="sharp")
     with pytest.raises(InputError, match=r'domain\.corners = "round": not one of the choices; give "sharp"'):
         in_triangle([0.0, 0.0], corners="round")
@@ -149,5 +147,5 @@ def test_a_law_of_force_from_outside() -> None:
     data = case.model_dump(exclude_none=True) | {"forces": ({"law": "spring", "pull": 3.0},)}
     case = parse_case(data)
     np.testing.assert_array_equal(case.motion_at(case.configuration(), 0.0).F, [[3.0, 0.0, 0.0]])
-    with pytest.raises(InputError, match=r'forces\.0\.law = "sprung": .*"power", "table" or "spring"'):
+    with pytest.raises(InputError, match=r'forces\.0\.law = "sprung": .*"power", .* or "spring"'):
         parse_case(data | {"forces": ({"law": "sprung", "pull": 3.0},)})

@@ -9,13 +9,13 @@ from typing import Any, Literal, NoReturn, override
 import numpy as np
 import pytest
 
+from fsi.arrays import Array
 from fsi.bodies.gaps import wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks import sound
 from fsi.case.load import parse_case
 from fsi.case.profiles.profile import WallProfile, register_profile
 from fsi.errors import InputError
-from fsi.meshes.geometry.jets import Array
 from fsi.meshes.geometry.relief import Heights
 
 WAVE = {"kind": "wave", "height": 0.3, "length": 1.5, "number": 2, "start": -1.5}

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 import tomli_w
 
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.case.section import Positive
 from fsi.case.shapes.shape import BodyShape, register_shape
 from fsi.errors import InputError
-from fsi.meshes.geometry.jets import Array, JetOf, polar
+from fsi.meshes.geometry.jets import JetOf, polar
 
 ELLIPSE = {"kind": "ellipse", "axes": [2.0, 1.0]}
 DATA: dict[str, Any] = {
@@ -280,6 +281,6 @@ def test_a_shape_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
 
     case = shaped({"kind": "egg", "size": 2.0})
     assert isinstance(case.bodies[0].shape, Egg)
-    assert case.configuration().areas[0] == pytest.approx(4.0 * np.pi * (1.0 + 1.0 / 32.0), rel=1e-13)
+    assert case.configuration().volumes[0] == pytest.approx(4.0 * np.pi * (1.0 + 1.0 / 32.0), rel=1e-13)
     with pytest.raises(InputError, match=r'bodies\.0\.shape\.kind = "eg": .*or "egg"'):
         shaped({"kind": "eg", "size": 2.0})

@@ -131,7 +131,7 @@ def test_ctrl_c_is_one_line_and_exit_code_130(
     assert main() == 130
     assert (
         capsys.readouterr().err
-        == "error: interrupted; a run goes on with fsi resume, a calibration when repeated\n"
+        == "error: interrupted; a run goes on with fsi resume, a calibration or sweep when repeated\n"
     )
 
 

@@ -15,8 +15,8 @@ import pytest
 import fsi.meshes.mpi as mpi
 from fsi.cli.loading import loading
 from fsi.errors import InputError
+from tests.scripts import ROOT, script
 
-ROOT = Path(__file__).parents[2]
 # A tenth of a second or more each: `python -X importtime -m fsi check CASE` says.
 SLOW = {"scipy.stats", "scipy.optimize", "scipy.interpolate", "matplotlib", "pandas", "pyvista"}
 SOLVER = {"mpi4py", "dolfinx_solver", "dolfinx", "gmsh", "petsc4py", "ufl"}
@@ -36,15 +36,15 @@ NONE_OF_ONE_DISC = {
 
 def loaded(*command: str) -> set[str]:
     """The modules that a command has loaded in the end."""
-    script = f"""
+    lines = f"""
         import sys
         from fsi.cli.main import main
         sys.argv = ["fsi", *{command!r}]
         main()
         print("\\n", *sys.modules)
     """
-    lines = "\n".join(line.strip() for line in script.splitlines())
-    done = subprocess.run([sys.executable, "-c", lines], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = script(lines)
+    assert done.returncode == 0, done.stderr
     return set(done.stdout.splitlines()[-1].split())
 
 
@@ -78,7 +78,7 @@ def test_what_is_loaded_is_not_looked_through_for_cycles() -> None:
 
 def test_ctrl_c_while_the_command_line_loads_is_one_line() -> None:
     """Python's traceback was printed, in the first half second."""
-    script = """
+    lines = """
         import signal, sys
         signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored behind a shell's `&`
         class Interrupting:
@@ -88,11 +88,8 @@ def test_ctrl_c_while_the_command_line_loads_is_one_line() -> None:
         sys.meta_path.insert(0, Interrupting())
         import fsi.cli.main
     """
-    lines = "\n".join(line[8:] for line in script.splitlines())
-    done = subprocess.run(
-        [sys.executable, "-c", lines], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    words = "error: interrupted; a run goes on with fsi resume, a calibration when repeated\n"
+    done = script(lines)
+    words = "error: interrupted; a run goes on with fsi resume, a calibration or sweep when repeated\n"
     assert (done.returncode, done.stdout, done.stderr) == (130, "", words)
 
 

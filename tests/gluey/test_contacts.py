@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies.configuration import Array, rigid_motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import rigid_motion
 from fsi.gluey.contacts import Room, find_contacts, slip_rows
 from fsi.gluey.step import advance
 from fsi.meshes.geometry.containers import Box

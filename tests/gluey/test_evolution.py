@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from tests.gluey.test_system import case_of
 
 FILM = {"variant": "film", "eps": 1.0, "reference_gap": 1.0}

@@ -12,10 +12,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room
-from fsi.gluey.limit import ESTIMATES, A, Limit, log_gap, slides_scheme, solve
+from fsi.gluey.film import SphereFilm, log_gap
+from fsi.gluey.limit import ESTIMATES, A, Limit, slides_scheme, solve
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.meshes.geometry.unbounded import Unbounded
@@ -233,7 +234,7 @@ def test_the_step_of_one_pair_is_the_slides_scheme(impulses: list[float], q0: fl
 
 def on_a_line(impulse: Any) -> System:
     room = Room(np.array([[0.0]]), np.array([[1.0]]), Unbounded(dimension=1))
-    return System(np.ones(1), np.ones((1, 1)), room, lambda t0, _t1: impulse(t0), ContactLaw())
+    return System(np.ones(1), np.ones((1, 1)), room, lambda t0, _t1: impulse(t0), ContactLaw(), SphereFilm)
 
 
 def test_the_tableau_has_its_order() -> None:

@@ -11,13 +11,13 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Contacts, Room, find_contacts
 from fsi.gluey.passing import nearest
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.meshes.geometry.lattice import Lattice
 from tests.gluey.test_system import case_of
 
 # Radii 1/2, centres 2.6 apart across the way: the true gap is 1.6 or more. Apart by 3 along it, the normal is
@@ -102,7 +102,7 @@ def test_images_are_not_sought_beyond_the_room(monkeypatch: pytest.MonkeyPatch) 
     """Of each pair the nearest image counts, within a diagonal: a reach of 1e7 periods took hours."""
     sought, images = [], Lattice.images
 
-    def spied(lattice: Lattice, x: Array, distance: float) -> tuple[NDArray[np.intp], Integers]:
+    def spied(lattice: Lattice, x: Array, distance: float) -> tuple[NDArray[np.intp], Indices]:
         sought.append(distance)
         return images(lattice, x, distance)
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression, lsq_linear
 
 from bench.gluey import H, crowd
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.gluey import qp_solver
 from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.interior_points import by_interior_points

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import MODES, Array
+from fsi.arrays import Array
+from fsi.bodies.configuration import MODES
 from fsi.case.gluey import ContactLaw
 from fsi.gluey.constraints import solve_rows
 from fsi.gluey.contacts import Room, find_contacts
+from fsi.gluey.film import DiscFilm, SphereFilm
 from fsi.gluey.step import Checks, _failure, advance
 from fsi.gluey.system import GlueyState, System
 from fsi.meshes.geometry.containers import Box
@@ -41,9 +43,9 @@ def bodies(
         load[:, :d] = (t1 - t0) * np.array(force(0.5 * (t0 + t1)))
         return load
 
-    return System(np.full(n, radius), mass, room, impulse, law or ContactLaw()), GlueyState.at(
-        q, np.zeros((n, modes))
-    )
+    films = DiscFilm if d == 2 else SphereFilm
+    system = System(np.full(n, radius), mass, room, impulse, law or ContactLaw(), films)
+    return system, GlueyState.at(q, np.zeros((n, modes)))
 
 
 def slope(alpha: float, d: int = 2) -> Room:

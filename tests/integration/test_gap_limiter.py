@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
 from fsi.integration.gap_limiter import greatest_approach, limited_step, lost_in_rounding
 from fsi.meshes.geometry.container import Container

@@ -45,3 +45,14 @@ def test_a_step_that_no_mesh_makes_accurate_says_where_and_by_how_much() -> None
         "that was tried, and the smallest gap 0.9; raise it, or discretisation.degree (at most 6), or "
         "end the run before"
     )
+
+
+def test_a_tolerance_needs_a_model_that_can_be_made_finer() -> None:
+    """One whose methods are not those of `Refinable` was stepped as if there were no tolerance."""
+    case = plane_case([{"name": "disc", "radius": 1.0, "position": [0.0, 2.0]}], 1.0)
+    held = case.model_copy(
+        update={"discretisation": case.discretisation.model_copy(update={"tolerance": 1e-4})}
+    )
+    assert isinstance(make_stepper(held, Stubborn(held)), RefiningStepper)
+    with pytest.raises(AssertionError):
+        make_stepper(held, DiscsBesidePlane(held))

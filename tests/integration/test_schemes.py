@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia
 from fsi.integration.adams import Adams
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.schemes import SCHEMES, AscherRuuthSpiteri, Beginning, BogackiShampine, register_scheme
 from fsi.integration.state import Instant, Model, Past, Scheme, State, Trial
+from fsi.integration.stepper import Stepper
 from fsi.lubrication.ellipsoids import free_rotation, spheroid_axis
 from fsi.lubrication.exact import settling_time
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
@@ -233,8 +235,9 @@ def test_a_body_with_inertia_begins_with_its_velocity() -> None:
 def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
     """One class under a decorator: the midpoint rule, of order 2 in the field of a disc over a plane."""
     monkeypatch.setitem(SCHEMES, "midpoint", SCHEMES["bogacki-shampine"])  # so that it goes again
+    del SCHEMES["midpoint"]
 
-    @register_scheme("midpoint", 2, fixed=True)
+    @register_scheme("midpoint", 2)
     class Midpoint:
         error_order: ClassVar[int] = 3
 
@@ -251,16 +254,27 @@ def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyP
             instant = model(q, t_end)
             return Trial(q, instant, np.zeros_like(instant.U))
 
-    errors = []
+    case, errors = settling_case(1.0, scheme="midpoint"), []
+    model = DiscsBesidePlane(case)
+    stepper = make_stepper(case, model)
+    assert isinstance(stepper, Stepper)
     for number in (20, 40, 80):
-        case = settling_case(1.0, scheme="midpoint", step=1.0 / number)
-        stepper = make_stepper(case, DiscsBesidePlane(case))
-        step = stepper.start(case.configuration())
-        while step.state.t < 1.0:
-            step = stepper.advance(step.state)
-        gap = step.state.q.centres[0, 1] - 1.0
+        end = fixed_steps(stepper.scheme, model, case.configuration(), 1.0, number)
+        gap = end.q.centres[0, 1] - 1.0
         errors.append(abs(float(settling_time(gap, 1.0, 1.0, 1.0, -4 * math.pi)) - 1.0))
     assert slope(errors) == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_scheme_whose_name_is_taken_is_refused() -> None:
+    """That of the program stays."""
+    before = SCHEMES["ascher-ruuth-spiteri"]
+    with pytest.raises(
+        ValueError, match=r'^"ascher-ruuth-spiteri": is the name of fsi\.integration\.schemes\.Asch'
+    ):
+        register_scheme("ascher-ruuth-spiteri", 3)(lambda _: BogackiShampine())
+    assert SCHEMES["ascher-ruuth-spiteri"] is before
+    with pytest.raises(ValueError, match=r'^"distance": is the name of '):  # that a model steps by itself
+        register_scheme("distance", 3)(lambda _: BogackiShampine())
 
 
 def test_the_estimate_with_inertia_is_of_third_order() -> None:

@@ -12,7 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.integration.schemes import BogackiShampine
 from fsi.integration.state import Instant, Model, Schedule, State, Trial
 from fsi.integration.stepper import Stepper
@@ -59,8 +60,8 @@ def test_motion_does_not_depend_on_the_frame_nor_on_the_order_of_bodies(
 
 
 def test_a_step_cut_short_to_land_does_not_shorten_the_next() -> None:
-    stepper = replace(in_a_large_box(drift), schedule=Schedule(4.0, knots=(1.0, 1.001)))
-    start = stepper.start(Configuration(np.zeros((1, 2)), np.zeros(1), np.ones(1)), first_step=1.0)
+    stepper = replace(in_a_large_box(drift), schedule=Schedule(4.0, knots=(1.0, 1.001)), first_step=1.0)
+    start = stepper.start(Configuration(np.zeros((1, 2)), np.zeros(1), np.ones(1)))
     first = stepper.advance(start.state)
     second = stepper.advance(first.state)
     assert (first.state.t, second.state.t) == (1.0, 1.001)
@@ -99,8 +100,8 @@ class Estimated:
 )
 def test_the_next_step_is_that_of_a_third_order_estimate(errors: tuple[float, ...], h: float) -> None:
     """0.9 error^(-1/3), at most 2; after a rejection, which cuts the step to a half or less, at most 1."""
-    stepper = replace(in_a_large_box(drift), scheme=Estimated(*errors))
-    start = stepper.start(Configuration(np.zeros((1, 2)), np.zeros(1), np.ones(1)), first_step=1.0)
+    stepper = replace(in_a_large_box(drift), scheme=Estimated(*errors), first_step=1.0)
+    start = stepper.start(Configuration(np.zeros((1, 2)), np.zeros(1), np.ones(1)))
     step = stepper.advance(start.state)
     assert step.rejected == len(errors) - 1
     assert step.state.h == pytest.approx(h, rel=1e-12)
@@ -155,8 +156,8 @@ def test_the_model_sees_no_gap_that_has_lost_more_than_it_may() -> None:
         seen.append(q.centres[0, 1] - 1.0)
         return np.array([[0.0, -100.0 * t, 0.0]])
 
-    stepper = replace(in_a_large_box(falling), container=HalfPlane(1e4), tolerance=1.0)
-    state = stepper.start(Configuration(np.array([[0.0, 2.0]]), np.zeros(1), np.ones(1)), 0.5).state
+    stepper = replace(in_a_large_box(falling), container=HalfPlane(1e4), tolerance=1.0, first_step=0.5)
+    state = stepper.start(Configuration(np.array([[0.0, 2.0]]), np.zeros(1), np.ones(1))).state
     for _ in range(20):
         before = len(seen)
         gap = state.q.centres[0, 1] - 1.0

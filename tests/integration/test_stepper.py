@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import Step

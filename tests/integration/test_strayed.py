@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.evolution import Moment, SteppedEvolution

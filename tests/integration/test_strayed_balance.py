@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.load import parse_case
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.schemes import BogackiShampine

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.load import parse_case
 from fsi.integration.evolution import SteppedEvolution
 from fsi.integration.state import Model, StepRecord

@@ -12,7 +12,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.integration.errors import ErrorEstimate, StepErrors

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fsi.arrays import Array
 from fsi.lubrication.expansions import SHAPES, Mode, Shape, basis, coefficients
 from fsi.lubrication.fitting import Fit, band, design, fit_series, regression
 from fsi.lubrication.named_laws import exact_resistance
-from fsi.lubrication.profiles import Array
 
 CASES: list[tuple[Shape, Mode, float]] = [
     ("spheres", "squeeze", inf),

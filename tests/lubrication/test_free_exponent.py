@@ -52,6 +52,18 @@ def test_a_disc_beside_a_plane_has_its_own_exponent() -> None:
     assert fit.coefficients[0] == pytest.approx(3.0 * np.sqrt(2.0) * np.pi, rel=1e-4)
 
 
+@pytest.mark.parametrize("lengths", [40.0, 100.0])
+def test_gaps_may_be_given_by_a_length_far_above_that_of_the_film(lengths: float) -> None:
+    """A disc's, 3 sqrt(2) pi / l^(3/2); with coefficients of the size of c_1 alone two intervals off."""
+    s = np.geomspace(5e-6, 5e-3, 8)
+    K = exact_resistance("discs", "squeeze", lengths * s, np.inf)
+    fit = fit_exponent(s, K, 1e-7 * K)
+    first = 3.0 * np.sqrt(2.0) * np.pi / lengths**1.5
+    assert fit.used.all()
+    assert abs(fit.exponent + 1.5) < fit.exponent_interval < 1e-5
+    assert abs(fit.coefficients[0] - first) < fit.intervals[0] < 1e-4 * first
+
+
 @pytest.mark.parametrize("m", [0.6, 0.75, 1.5])
 def test_what_surroundings_add_is_not_taken_for_the_pairs(m: float) -> None:
     """20/(2 - s)^(3/2), of a wall two lengths away: without s and s^2 it is up to 2 intervals off."""

@@ -12,7 +12,7 @@ import pytest
 from fsi.case.law_file import read_law_file
 from fsi.errors import InputError
 from fsi.lubrication.laws import ScaledLaw
-from fsi.lubrication.named_laws import LAWS, GapFilm, named
+from fsi.lubrication.named_laws import LAWS, GapFilm, exact_law, named
 from fsi.lubrication.profiles import Series, Term
 from fsi.models import make_model
 from tests.reduced_data import reduced_case
@@ -37,6 +37,20 @@ def asked() -> Iterator[list[GapFilm]]:
 
     yield films
     del LAWS["quadratic"]
+
+
+def test_a_name_that_is_taken_is_refused() -> None:
+    """The law of the program stays; the same function, loaded anew, may take its own place."""
+    before = LAWS["exact"]
+    with pytest.raises(
+        ValueError, match=r'^"exact": is the name of fsi\.lubrication\.named_laws\.exact_law already'
+    ):
+        named("exact")(lambda film: exact_law(film))
+    assert LAWS["exact"] is before
+    try:
+        assert named("exact")(exact_law) is exact_law
+    finally:
+        LAWS["exact"] = before
 
 
 def test_a_law_from_outside_moves_a_disc(asked: list[GapFilm]) -> None:

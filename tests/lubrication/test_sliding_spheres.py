@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.lubrication import sphere_beside_plane
 from fsi.lubrication.below import OpenedGaps
 from fsi.lubrication.sliding_spheres import coupling, profiles, resistances

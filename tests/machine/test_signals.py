@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,8 +15,8 @@ from fsi.machine.signals import Ended, heard, held
 from fsi.workers.launch import launched
 from fsi.workers.pools import local
 from tests.commands import fsi_command
+from tests.scripts import script
 
-ROOT = Path(__file__).parents[2]
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -98,7 +96,7 @@ def test_ctrl_c_that_python_drops_comes_once_more() -> None:
 
 def test_no_library_takes_the_signals() -> None:
     """PETSc printed pages and left with 15, UCX printed pages, gmsh ended the process at once."""
-    script = """
+    lines = """
         import signal
         from fsi.machine.signals import heard
         with heard():
@@ -108,10 +106,7 @@ def test_no_library_takes_the_signals() -> None:
                 backend.petsc_forms()
                 signal.raise_signal(signal.SIGTERM)
     """
-    lines = "\n".join(line[8:] for line in script.splitlines())
-    done = subprocess.run(
-        [sys.executable, "-c", lines], cwd=ROOT, capture_output=True, text=True, check=False
-    )
+    done = script(lines)
     assert (done.returncode, done.stdout, done.stderr) == (143, "", "")
 
 
@@ -120,7 +115,7 @@ def test_the_command_says_in_one_line_what_ended_it(
 ) -> None:
     monkeypatch.setattr("fsi.cli.cases.load", lambda *_: signal.raise_signal(signal.SIGTERM))
     assert fsi_command("check", "case.toml") == 143
-    line = "error: ended by SIGTERM; a run goes on with fsi resume, a calibration when repeated\n"
+    line = "error: ended by SIGTERM; a run goes on with fsi resume, a calibration or sweep when repeated\n"
     assert capfd.readouterr().err == line
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.load import load_case, parse_case
 from fsi.case.macroscopic import evaluate
 from fsi.errors import InputError, SolveError

@@ -10,8 +10,9 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh, build
-from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.resolution import Resolution
 

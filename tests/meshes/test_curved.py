@@ -6,7 +6,7 @@ import basix
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.shapes.ellipse import Ellipse
 from fsi.meshes.cells.curved import EDGES, CurvedCells, curve, reference_points
 from fsi.meshes.geometry.container import FluidDomain

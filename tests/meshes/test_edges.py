@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fsi.arrays import Array
 from fsi.meshes.build import build
-from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.tube import Tube
 from fsi.meshes.resolution import Resolution
 from tests.meshes.spheres import CUBE, cells

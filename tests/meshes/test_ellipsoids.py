@@ -9,13 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps
 from fsi.bodies.surface_gap import narrowest_gap
 from fsi.integration.gap_limiter import greatest_approach
 from fsi.meshes.build import build
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.rotations import turn_between

@@ -15,7 +15,8 @@ import pyvista
 import ufl
 from dolfinx import fem
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.read import read_mesh

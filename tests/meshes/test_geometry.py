@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fsi.meshes.geometry.container import Array, Container
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell
 
@@ -107,18 +108,25 @@ def test_fluxes_through_walls_in_space() -> None:
 
 @pytest.mark.parametrize("container", [*IN_PLANE[:3], *ON_AXIS], ids=str)
 def test_the_outline_goes_once_around(container: Container) -> None:
-    """With the axis, it closes; Green's theorem gives the area that the container states."""
+    """With the axis, it closes; Gauss' theorem gives the area that the container states, and the volume.
+
+    The area is the integral of x.n / 2 along it, the volume of what revolves that of 2 pi r x.n / 3.
+    """
     curves = container.outline()
     ends = np.array([curve.ends for curve in curves])
     assert sorted({curve.wall for curve in curves}) == list(range(len(container.walls)))
     points, weights = np.polynomial.legendre.leggauss(20)
-    area = 0.0
+    area = revolved = 0.0
     for curve in curves:
         start, end = curve.interval
         s, ds = start + 0.5 * (end - start) * (points + 1.0), 0.5 * (end - start) * weights
         outward = -container.normals(curve.at(s))[:, curve.wall]
-        area += 0.5 * float(ds @ (curve.at(s) * outward).sum(axis=1))  # on an axis x.n is zero
+        across = (curve.at(s) * outward).sum(axis=1)  # zero on an axis
+        area += 0.5 * float(ds @ across)
+        revolved += 2.0 / 3.0 * np.pi * float((ds * curve.at(s)[:, 0]) @ across)
     assert area == pytest.approx(container.volume, rel=1e-12)
+    expected = revolved if container.axisymmetric else area
+    assert container.volume_in_space == pytest.approx(expected, rel=1e-12)
     firsts, lasts = (sorted(map(tuple, ends[:, side].tolist())) for side in range(2))
     loose = set(firsts) ^ set(lasts)
     assert loose == ({(0.0, z) for z in container.axis()} if container.axisymmetric else set())

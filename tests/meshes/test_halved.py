@@ -9,7 +9,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.planar.triangulate import StraightCells, require_boundary
 from fsi.meshes.resolution import Resolution

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from fsi.arrays import Array
 from fsi.meshes.cells.curved import curve, scaled_jacobian
 from fsi.meshes.errors import MeshError, TouchingError
-from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell, Lattice, reduced
 from fsi.meshes.geometry.matching import matching_points

@@ -11,6 +11,7 @@ import ufl
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, smallest_of_each
 from fsi.case.shapes.ellipse import Ellipse
@@ -23,7 +24,7 @@ from fsi.case.shapes.superellipse import Superellipse
 from fsi.case.shapes.tip import Tip
 from fsi.integration.gap_limiter import greatest_approach
 from fsi.meshes.build import build
-from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.geometry.outline import Outline

@@ -4,7 +4,7 @@ import basix
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.cells.curved import reference_points, require_valid, scaled_jacobian
 from fsi.meshes.errors import MeshError
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.meshes.geometry.container import Array, FluidDomain
+from fsi.arrays import Array
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.gap_prisms import choose, find_gaps

@@ -8,8 +8,9 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
+from fsi.arrays import Array
 from fsi.meshes.build import build
-from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.rotations import turned
 from fsi.meshes.moving.move import Mover

@@ -14,10 +14,11 @@ from dolfinx.mesh import entities_to_geometry, exterior_facet_indices
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.errors import MeshError, MeshFileError
 from fsi.meshes.files.read import read_mesh
-from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.tetrahedra import fill

@@ -3,16 +3,10 @@
 import numpy as np
 import pytest
 
+from fsi.arrays import Indices
 from fsi.meshes.errors import MeshError
 from fsi.meshes.planar import spread as module
-from fsi.meshes.planar.spread import (
-    Indices,
-    equidistribute,
-    equidistribute_all,
-    resolve_all,
-    spread,
-    spread_all,
-)
+from fsi.meshes.planar.spread import equidistribute, equidistribute_all, resolve_all, spread, spread_all
 
 
 def sampled(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,15 +10,14 @@ from cvxopt import matrix, spmatrix
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.errors import SolveError
 from fsi.pores import columns
 from fsi.pores.columns import sparse_matrix
-from fsi.pores.pattern import Index
 
 
 def written(A: sp.csc_matrix) -> Any:
-    def write(row: Index, value: Array) -> None:
+    def write(row: Indices, value: Array) -> None:
         row[:], value[:] = A.indices, A.data
 
     return sparse_matrix(A.indptr, write)

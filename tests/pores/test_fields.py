@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 CELL = np.array([[6.0, 0.0], [1.0, 5.0]])
 WALLS = {"walls": {"top": [1.0, 0.0]}}

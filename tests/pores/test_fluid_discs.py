@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -12,7 +12,7 @@ from fsi.pores import fluid_discs
 from fsi.pores.circles import Circles, circles_in_pores, renewed
 from fsi.pores.fluid_discs import Wide, pores_without_wide
 from fsi.pores.links import Links
-from fsi.pores.surfaces import DISC, BoundingSurfaces, NoPoresError, Shapes
+from fsi.pores.surfaces import DISC, BoundingSurfaces, Shapes
 from fsi.pores.topology import linked, triangulate
 from tests.packings import in_box, in_cell, in_channel, in_container, in_square, scattered
 from tests.pores.test_topology import require_tiling
@@ -118,14 +118,25 @@ def test_discs_of_one_tenth_beside_a_large_one() -> None:
 @given(st.integers(0, 10**6), st.integers(1, 30))
 @settings(max_examples=20, deadline=None)
 def test_round_containers_are_tiled_with_them(seed: int, n: int) -> None:
-    """Also where they do not surround the centre; one in 200 with one or two discs is refused."""
+    """Also where they do not surround the centre."""
     centres, radii = scattered(seed, n, 0.3, 4)
     inside = np.hypot(*(centres - 0.5).T) + radii < 0.499
     surfaces = in_container(3.0 * (centres - 0.5)[inside], 3.0 * radii[inside], 1.5)
-    try:
-        surfaces = with_fluid_discs(surfaces)
-    except NoPoresError:
-        assume(False)
+    require_tiling(triangulate(with_fluid_discs(surfaces)))
+
+
+@pytest.mark.parametrize("seed", [200, 284, 429])
+def test_a_disc_that_nearly_touches_its_container_lies_across_no_neck(seed: int) -> None:
+    """Of 600 such discs those that were refused, when no circle beside a disc was below 0.03 of it."""
+    centres, radii = scattered(seed, 1, 0.3, 4)
+    require_tiling(triangulate(with_fluid_discs(in_container(3.0 * (centres - 0.5), 3.0 * radii, 1.5))))
+
+
+def test_circles_do_not_ask_for_ever_smaller_ones() -> None:
+    """One that stood in a flat pore lay across necks of others: there were 1675 of them, down to 4e-6."""
+    centres, radii = scattered(10619, 4, 0.3, 4)
+    surfaces = with_fluid_discs(in_container(3.0 * (centres - 0.5), 3.0 * radii, 1.5))
+    assert np.count_nonzero(surfaces.fluid) < 60
     require_tiling(triangulate(surfaces))
 
 

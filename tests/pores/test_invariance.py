@@ -9,7 +9,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
 from fsi.pores.surfaces import BoundingSurfaces
 from fsi.pores.system import PoreSystem

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench.random_cases import random_case
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.pores import narrow

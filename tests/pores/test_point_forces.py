@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.force_series import ForceSeries
 from fsi.pores.point_forces import PointForces

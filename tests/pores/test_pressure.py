@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.pores import instant

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.pores.tied import LastFactors, TiedFactors, factors_of
 from tests.pores.test_definite import form, triangle
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array, Inertia
+from fsi.arrays import Array
+from fsi.bodies.configuration import Inertia
 from fsi.errors import SolveError
 from fsi.models import make_model, make_stepper
 from fsi.reduced.distance_model import DistanceModel

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError
 from fsi.lubrication.laws import CutLaw, LubricationLaw
 from fsi.lubrication.named_laws import GapFilm, leading_law, slides_law

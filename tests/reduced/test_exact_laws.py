@@ -7,7 +7,8 @@ from math import log, pi
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
 from fsi.lubrication import exact, spheres, two_discs
 from fsi.lubrication.expansions import MODES, Shape

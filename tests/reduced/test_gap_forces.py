@@ -11,7 +11,7 @@ import pytest
 import scipy.sparse as sp
 
 import fsi.reduced.gap_forces as gap_forces
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError
 from fsi.lubrication.exact import normal_resistance, pair_resistance, settling_time
 from fsi.models import make_model, make_stepper

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.lubrication import spheres

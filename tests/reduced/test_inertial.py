@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.errors import SolveError
 from fsi.integration.state import Step

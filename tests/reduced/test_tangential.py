@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.bodies.configuration import Array, Configuration, rigid_motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, rigid_motion
 from fsi.case.case import Case
 from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.case.load import load_case

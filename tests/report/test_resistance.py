@@ -13,7 +13,7 @@ import pytest
 from numpy.testing import assert_allclose
 from rich.console import Console
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import InputError, SolveError
 from fsi.observables.resistance import (
     Resistance,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.gaps import foot_between
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case

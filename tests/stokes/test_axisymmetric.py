@@ -16,7 +16,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline
 
-from fsi.bodies.configuration import Array, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Motion
 from fsi.case.load import parse_case
 from fsi.lubrication.spheres import line_forces
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round

@@ -31,10 +31,10 @@ SEED = 1000  # the bench begins at 0
 
 @pytest.mark.parametrize("kind", SMOOTH)
 def test_bars_hold_and_half_of_them_would_not(kind: str) -> None:
-    found = values(kind, SEED)
-    assert found
-    assert all(value.inside for value in found)
-    assert max(value.ratio for value in found) > 0.5
+    """The median of error over bar is 0.68 to 0.71, the largest 0.69 to 0.74, the least 0.09 by chance."""
+    ratios = [value.ratio for value in values(kind, SEED)]
+    assert 0.6 < np.median(ratios) < 0.75
+    assert max(ratios) <= 1.0
 
 
 def unlike_discs(sizes: dict[str, Any]) -> fsi.Solution:
@@ -157,11 +157,11 @@ def test_flows_beside_shapes_are_compared_with_what_tells_their_error(
 
 @pytest.mark.slow
 def test_bars_of_quadratic_elements_beside_shapes_hold() -> None:
-    """Compared with cubic ones they were up to 1.5 times too short, at gaps of 1e-4 radii."""
+    """Compared with cubic ones they were up to 1.5 times too short at gaps of 1e-4; medians are 0.67."""
     cases = (("shapes, box, mixed walls", 4), ("shapes, box, walls at rest", 5))
     found = [value for kind, seed in cases for value in values(kind, seed)]
     assert all(value.inside for value in found)
-    assert max(value.ratio for value in found) > 0.5
+    assert 0.6 < np.median([value.ratio for value in found]) < 0.75
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.resolution import Resolution

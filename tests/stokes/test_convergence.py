@@ -8,7 +8,7 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.forms import velocity_element

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fsi.api import open_run
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.meshes.files.write import write_mesh
@@ -131,11 +131,14 @@ def test_corners_of_walls_that_move_for_a_while_are_singular_at_all_times() -> N
     ],
 )
 def test_bars_hold_where_walls_jump(walls: dict[str, Any], body: dict[str, Any], sizes: Any) -> None:
-    """With one mesh for both degrees 8 of these 15 had a value outside, one by a factor 21."""
+    """With one mesh for both degrees 8 of these 15 had a value outside, one by a factor 21.
+
+    A bar is 1.5 times an estimate of the error, so that the median of error over bar is 2/3: 0.67 to 0.70.
+    """
     coarse = case(walls, body, **sizes)
     found = ratios(solve_with_errors(coarse), finer(coarse))
     assert found.max() <= 1.0
-    assert np.median(found) >= 0.05
+    assert 0.6 < np.median(found) < 0.75
 
 
 @pytest.mark.parametrize("walls", [LID, OPEN, OPEN_SLIP])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, maximum_flow
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 
 

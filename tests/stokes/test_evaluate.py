@@ -10,7 +10,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
 from fsi.meshes.geometry.containers import Box, Round
 from fsi.meshes.geometry.lattice import Cell

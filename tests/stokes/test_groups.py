@@ -15,7 +15,8 @@ from numpy.testing import assert_array_equal
 from numpy.typing import NDArray
 
 import fsi.stokes.discretisation.groups as module
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.resolution import Resolution

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import FluidDomain

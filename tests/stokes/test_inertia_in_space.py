@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies.configuration import Array, Inertia
+from fsi.arrays import Array
+from fsi.bodies.configuration import Inertia
 from fsi.case.case import Case
 from fsi.integration.state import Step
 from fsi.models import make_model, make_stepper
@@ -32,7 +33,7 @@ def heavy(solver: str, wall_speed: float = 0.0) -> Case:
     data = BOX | {
         "bodies": [large, small],
         "domain": BOX["domain"] | {"walls": walls},
-        "time": {"end": 1e-3, "remesh": "when-needed"},
+        "time": {"end": 1e-3, "first_step": 1e-4, "remesh": "when-needed"},
     }
     return case(data, solver=solver, cells_per_circle=7, growth=1.0)
 
@@ -69,7 +70,7 @@ def steps(solver: str) -> list[Step]:
     """The beginning of a run, and a step of 1e-4."""
     one = heavy(solver)
     stepper = make_stepper(one, make_model(one))
-    first = stepper.start(one.configuration(), 1e-4)
+    first = stepper.start(one.configuration())
     return [first, stepper.advance(first.state)]
 
 

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError
 from fsi.stokes.solvers.mumps import Factorisation
 

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.stokes.model import StokesModel
-from tests.cubic_arrays import EXTENSION, LATTICES, SHEAR, Array, drag, viscosity
+from tests.cubic_arrays import EXTENSION, LATTICES, SHEAR, drag, viscosity
 from tests.ranks import json_on, needs_mpi
 from tests.stokes.spatial_flows import LIGHT, solved
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.stokes.model import StokesModel

@@ -13,7 +13,8 @@ from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.cells import StokesCells

@@ -12,7 +12,7 @@ import pytest
 import fsi.meshes.build
 from bench.gaps import CASES
 from bench.random_cases import random_case
-from fsi.calibration.pair import pair_of
+from fsi.calibration.finding import pair_of
 from fsi.calibration.sampling import resolved_sample
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case

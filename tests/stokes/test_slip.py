@@ -14,7 +14,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.sliding_film import sphere_resistance
 from fsi.meshes.resolution import Resolution

@@ -11,7 +11,7 @@ import pytest
 import pyvista as pv
 from numpy.testing import assert_allclose
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.lubrication.concentric import Concentric
 from fsi.stokes.swimming import tangential
 from tests.stokes.sliding_flows import balanced, body, in_ball

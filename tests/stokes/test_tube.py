@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fsi
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.lubrication import spheres

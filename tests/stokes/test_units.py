@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import fsi
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Box

@@ -97,7 +97,7 @@ def test_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str
         ("arrangement.gap=0.02", "2", "--vary arrangement.gap=0.02: no key and interval"),
         ("arrangement.gap=0.3,0.02", "2", "LOW below HIGH"),
         ("arrangement.gap=0.02,0.1", "two", "--target two: not a number"),
-        ("arrangement.gape=0.02,0.1", "2", "arrangement.gape = 0.02: unknown key; use gap"),
+        ("arrangement.gape=0.02,0.1", "2", "arrangement.gape = 0.02: unknown key; use arrangement.gap "),
         ("arrangement.angle=60.0,90.0", "2", "arrangement.angle = 60.0: rows has no such option; drop it"),
     ],
 )

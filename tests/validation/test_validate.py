@@ -13,13 +13,12 @@ import pytest
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.integration.errors import ErrorEstimate
-from fsi.lubrication.exact_results import EXACT as RESULTS
-from fsi.lubrication.exact_results import ExactProblem, Fitting, exact_result
 from fsi.observables.quantities import computed, time_at
 from fsi.report.studies import summary
 from fsi.validation.rows import Row, chosen_cases, exact_value, reference, swept
 from tests.case_data import changed
 from tests.cli.test_commands import ROOT, call, fsi
+from tests.commands import fsi_command
 from tests.ranks import needs_mpi, python_on
 
 FOLDER = ROOT / "cases" / "validation"
@@ -115,34 +114,6 @@ def test_the_shipped_cases_have_sound_references(path: Path) -> None:
                 assert value == pytest.approx(exact, rel=1e-12)
 
 
-def test_one_more_exact_result_is_one_function(tmp_path: Path) -> None:
-    """Entered from outside: the schema, its complaints and `reference` know it by its name."""
-    path = tmp_path / "case.toml"
-    path.write_text(QUICK.replace("concentric_sphere", "sphere_in_anything"))
-
-    @exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True))
-    def sphere_in_anything(problem: ExactProblem) -> float:
-        """-R V with R = mu (size/a)^2, here of spheres at V = 1 in containers of radii 4 and 2."""
-        R = problem.viscosity * (problem.size / problem.radii[0]) ** 2
-        return -float(R * problem.U[0, problem.mode])
-
-    try:
-        values = [reference(case, case.expected[0])[0] for _, case in swept(path)]
-        wrong = path.with_name("wrong.toml")
-        wrong.write_text(QUICK.replace("concentric_sphere", "sphere_in_anithing"))
-        with pytest.raises(InputError, match="the nearest is 'sphere_in_anything'"):
-            load_case(wrong)
-        moved = path.with_name("moved.toml")
-        moved.write_text(path.read_text().replace("ball.force.z", "ball.velocity.z"))
-        with pytest.raises(InputError, match=r"gives a force, not ball\.velocity\.z"):
-            list(swept(moved))
-    finally:
-        del RESULTS["sphere_in_anything"]
-    assert values == [-64.0, -16.0]
-    with pytest.raises(InputError, match="no such exact result"):
-        load_case(path)
-
-
 def test_a_sweep_may_be_one_of_whole_numbers(tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
     path.write_text(
@@ -217,6 +188,30 @@ def test_mistakes_in_a_validation_case(old: str, new: str, complaint: str, tmp_p
     path.write_text(QUICK.replace(old, new))
     with pytest.raises(InputError, match=complaint):
         list(swept(path))
+
+
+@pytest.mark.parametrize("workers", [(), ("--workers", 1)])
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("[domain]", "[domains]", "domains = {"),
+        ('source = "Cunningham 1910"', "", "expected.0.source: missing"),
+        ("values = [4.0, 2.0]", "values = [4.0, 0.5]", "bodies.0.position = ["),
+    ],
+)
+def test_a_bad_case_among_good_ones_is_named_and_nothing_is_written(
+    old: str,
+    new: str,
+    complaint: str,
+    workers: tuple[object, ...],
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """The good one is first in the folder: nothing of it is solved either."""
+    folder, output = folder_with(tmp_path, ball=QUICK, other=QUICK.replace(old, new)), tmp_path / "out"
+    assert fsi_command("validate", "--cases", folder, "-o", output, *workers) == 2
+    assert f"error: {folder / 'other.toml'}: {complaint}" in capfd.readouterr().err
+    assert not output.exists()
 
 
 def test_validate_writes_what_it_prints(tmp_path: Path) -> None:

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, rigid_motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import rigid_motion
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError

@@ -16,7 +16,7 @@ def check_lubrication(case: Case) -> None:
     stressed = case.domain.mean_drive().mean_stress is not None
     swims = any(body.swims for body in case.bodies)
     refused = [
-        (case.model != "resolved", f'model = "{case.model}" has no mesh for it; give "resolved", or drop it'),
+        (not case.level.meshed, f'model = "{case.model}" has no mesh for it; give "resolved", or drop it'),
         (
             case.configuration().shaped,
             "it is for discs and spheres between plane or round walls; give such ones, or drop it",

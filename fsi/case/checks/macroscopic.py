@@ -5,7 +5,8 @@ from math import lcm
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks.without_flow import ROUNDING, check_estimates, check_rest

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.background_flow import background
 from fsi.case.case import Case
 from fsi.case.checks.without_flow import check_estimates

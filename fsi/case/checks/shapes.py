@@ -25,7 +25,7 @@ def check_shapes(case: Case) -> None:
         _check_symmetric(case)
     if case.dimension == 3:
         _check_ellipsoids(case, here)
-    if case.model != "resolved":
+    if not case.level.meshed:
         raise InputError(f'{here}: model = "{case.model}" knows {round_} only; give "resolved", or a radius')
     if case.domain.mesh is not None:
         raise InputError(f"{here}: a mesh of your own is for {round_}; drop domain.mesh, or give a radius")
@@ -87,7 +87,7 @@ def _check_symmetric(case: Case) -> None:
 def _check_walls(case: Case) -> None:
     """Of walls with a shape."""
     here = "domain.profiles"
-    if case.model != "resolved":
+    if not case.level.meshed:
         raise InputError(
             f'{here}: model = "{case.model}" knows straight walls only; give "resolved", or drop it'
         )
@@ -98,7 +98,7 @@ def _check_walls(case: Case) -> None:
 def _check_cylinder(case: Case) -> None:
     """Of a wall that is round one way only: laws, and slip, know planes and spheres."""
     here = f"domain.shape = {toml_text(case.domain.shape)}"
-    if case.model != "resolved":
+    if not case.level.meshed:
         raise InputError(
             f'{here}: model = "{case.model}" knows no law beside a cylinder; give "resolved", or a box'
         )

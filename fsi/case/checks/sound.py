@@ -28,6 +28,8 @@ from fsi.meshes.geometry.lattice import Lattice, positive
 
 # A gap is touching when it is no larger than what rounding makes of coordinates of this size.
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
+# Over a radius: a gap that does not touch, whatever coordinates say.
+_WIDE = 1e-6
 # Times the size of a periodic domain: a body so far away has its image to nine digits.
 _FARTHEST = 1e6
 _TAKEN = {"fluid": "fluid", "outside": "space outside the domain"}
@@ -110,18 +112,26 @@ def _check_room(case: Case) -> None:
     touching = _ROUNDING * _largest_coordinate(q, container)
     to_walls = wall_gaps(q, container)
     for i, w in np.argwhere(to_walls <= touching)[:1]:
-        raise InputError(
-            f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: body {case.names[i]!r} touches or "
-            f"crosses wall {container.walls[w]!r} (gap {to_walls[i, w]:.6g}); move or shrink it"
-        )
+        here = f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: body {case.names[i]!r}"
+        other = f"wall {container.walls[w]!r} (gap {to_walls[i, w]:.6g})"
+        _require_known(f"{here} and {other}", to_walls[i, w] / q.radii[i], touching)
+        raise InputError(f"{here} touches or crosses {other}; move or shrink it")
     _check_near(case, container)
     _check_periods(case, q, container)
     gaps = find_gaps(q, container, reach=touching)
     for (i, j), gap in zip(gaps.pairs[:1], gaps.pair_gaps[:1], strict=True):
         other = repr(case.names[j]) if i != j else "its image"
+        here = f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r}"
+        _require_known(f"{here} and {other} (gap {gap:.6g})", gap / q.radii[j], touching)
+        raise InputError(f"{here} and {other} overlap or touch (gap {gap:.6g}); move them apart")
+
+
+def _require_known(sides: str, gap: float, touching: float) -> None:
+    """Raise InputError where the rounding of large coordinates hides a gap, over a radius, that is wide."""
+    if gap > _WIDE:
         raise InputError(
-            f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r} and "
-            f"{other} overlap or touch (gap {gap:.6g}); move them apart"
+            f"{sides}: coordinates as large as those here are rounded to gaps of {touching:.2g}; give a "
+            "smaller domain, nearer to the origin, or a wider gap"
         )
 
 

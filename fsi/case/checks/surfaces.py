@@ -20,7 +20,7 @@ def check_surfaces(case: Case) -> None:
         for i, body in enumerate(case.bodies)
         if body.surface_velocity is not None
     }
-    if case.model != "resolved":
+    if not case.level.meshed:
         for key, value in (sliding | swimming).items():
             raise refusal(key, value, f'model = "{case.model}" does not know it; drop it or give "resolved"')
     for i, body in enumerate(case.bodies):

@@ -1,8 +1,7 @@
 """What a case must satisfy at the levels that solve for no flow."""
 
 from fsi.case.case import Case
-from fsi.case.domain import MeanDrive
-from fsi.case.section import refusal, toml_text
+from fsi.case.section import refusal
 from fsi.errors import InputError
 
 # Of the smallest radius: an overlap that is rounding in a contact.
@@ -27,8 +26,4 @@ def check_rest(case: Case) -> None:
                 wall,
                 f"walls of the {case.model} model are solid and at rest; drop it",
             )
-    if case.container().mean_gradient.any() or case.domain.mean_drive() != MeanDrive():
-        raise InputError(
-            f"domain = {toml_text(case.domain)}: no fluid drives {case.model} bodies; drop shear, extension, "
-            "pressure_gradient or net_flux"
-        )
+    case.domain.require_undriven(f"no fluid drives {case.model} bodies")

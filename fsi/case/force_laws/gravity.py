@@ -4,7 +4,7 @@ from typing import Literal, override
 
 from pydantic import Field
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.forces import Bulk
 from fsi.case.force_laws.law import KINDS, ForceSection, register_force
 from fsi.case.section import toml_text

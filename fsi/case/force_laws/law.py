@@ -11,9 +11,9 @@ from typing import Annotated, Any, ClassVar, override
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.forces import Bulk, ForceLaw
-from fsi.case.section import Registered, Registry
+from fsi.case.registry import Registered, Registry
 from fsi.case.series import Table, kinks, value_at
 from fsi.meshes.geometry.container import Container
 

@@ -8,7 +8,7 @@ from typing import ClassVar, Literal, override
 import numpy as np
 from pydantic import Field, model_validator
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.case.force_laws.law import KINDS, ForceSection, register_force
 from fsi.case.section import Positive, toml_text
 from fsi.case.series import Increasing, require_pairs

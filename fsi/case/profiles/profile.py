@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, SerializeAsAny
 
-from fsi.case.section import Registered, Registry
+from fsi.case.registry import Registered, Registry
 from fsi.meshes.geometry.relief import Heights
 
 

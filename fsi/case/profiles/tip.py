@@ -6,9 +6,9 @@ import numpy as np
 import scipy  # its modules load when they are used
 from pydantic import Field, model_validator
 
+from fsi.arrays import Array
 from fsi.case.profiles.profile import WallProfile, register_profile
 from fsi.case.section import Positive
-from fsi.meshes.geometry.jets import Array
 from fsi.meshes.geometry.relief import Heights
 
 

@@ -5,9 +5,9 @@ from typing import Annotated, Literal, override
 import numpy as np
 from pydantic import Field
 
+from fsi.arrays import Array
 from fsi.case.profiles.profile import WallProfile, register_profile
 from fsi.case.section import Positive
-from fsi.meshes.geometry.jets import Array
 from fsi.meshes.geometry.relief import Heights
 
 _MOST = 200

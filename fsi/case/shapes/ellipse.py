@@ -4,9 +4,10 @@ from typing import Literal, override
 
 import numpy as np
 
+from fsi.arrays import Array
 from fsi.case.section import Positive
 from fsi.case.shapes.shape import BodyShape, register_shape
-from fsi.meshes.geometry.jets import Array, Jet, JetOf
+from fsi.meshes.geometry.jets import Jet, JetOf
 
 
 @register_shape

@@ -5,9 +5,10 @@ from typing import Annotated, Literal, override
 import numpy as np
 from pydantic import Field, model_validator
 
+from fsi.arrays import Array
 from fsi.case.section import Positive
 from fsi.case.shapes.shape import BodyShape, register_shape
-from fsi.meshes.geometry.jets import Array, JetOf, polar
+from fsi.meshes.geometry.jets import JetOf, polar
 
 _MOST = 200
 _POINTS = 16  # of a wave

@@ -5,9 +5,10 @@ from typing import Annotated, Literal, override
 import numpy as np
 from pydantic import Field, model_validator
 
+from fsi.arrays import Array
 from fsi.case.section import Positive
 from fsi.case.shapes.shape import ShapeOfArcs, register_shape
-from fsi.meshes.geometry.jets import ArcChain, Array
+from fsi.meshes.geometry.jets import ArcChain
 
 _LEAST_TURN = 1e-3  # at a corner, in radians
 

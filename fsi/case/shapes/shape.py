@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, override
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
-from fsi.case.section import Geometry, Registered, Registry, told
+from fsi.case.registry import Registered, Registry
+from fsi.case.section import Geometry, told
 from fsi.meshes.geometry.closed_curve import FEWEST
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.jets import ArcChain, JetOf

@@ -7,8 +7,9 @@ import numpy as np
 import scipy  # its modules load when they are used
 from pydantic import Field, field_validator, model_validator
 
+from fsi.arrays import Array
 from fsi.case.shapes.shape import BodyShape, register_shape
-from fsi.meshes.geometry.jets import Array, Jet, JetOf
+from fsi.meshes.geometry.jets import Jet, JetOf
 
 type Place = Annotated[tuple[float, ...], Field(min_length=2, max_length=2)]
 

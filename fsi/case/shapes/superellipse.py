@@ -5,9 +5,10 @@ from typing import Literal, override
 import numpy as np
 from pydantic import Field
 
+from fsi.arrays import Array
 from fsi.case.section import Positive
 from fsi.case.shapes.shape import BodyShape, register_shape
-from fsi.meshes.geometry.jets import Array, JetOf, polar
+from fsi.meshes.geometry.jets import JetOf, polar
 
 
 @register_shape

@@ -6,9 +6,10 @@ import numpy as np
 import scipy  # its modules load when they are used
 from pydantic import Field, model_validator
 
+from fsi.arrays import Array
 from fsi.case.section import Positive
 from fsi.case.shapes.shape import BodyShape, register_shape
-from fsi.meshes.geometry.jets import ArcChain, Array, Jet, JetOf
+from fsi.meshes.geometry.jets import ArcChain, Jet, JetOf
 
 
 @register_shape

@@ -27,14 +27,14 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.meshes.build import coordinate_element
 from fsi.meshes.cells.curved import SIMPLEX, barycentric, reference_points
 from fsi.stokes.discretisation.forms import Forms, points_degree, pressure_element, velocity_element
 from fsi.stokes.discretisation.groups import Groups
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 from fsi.stokes.discretisation.nodes import inner_nodes
-from fsi.stokes.discretisation.shared_rows import Index, SharedRows
+from fsi.stokes.discretisation.shared_rows import SharedRows
 
 BENT = 1e-12  # distance of a node from its place in a straight cell, in sizes of the cell
 
@@ -107,7 +107,7 @@ class StokesCells:
         return self.rows[:, : self.rows.shape[1] - self.inner]
 
     @property
-    def inner_here(self) -> Index:
+    def inner_here(self) -> Indices:
         """The inner rows of x on this rank, which are its own."""
         inner = np.zeros(self.shared.size, dtype=bool)
         inner[self.rows[:, self.rows.shape[1] - self.inner :]] = True
@@ -172,7 +172,7 @@ class StokesCells:
         return (*self.rows.shape, self.inner)
 
 
-def inner_rows(forms: Forms) -> Index:
+def inner_rows(forms: Forms) -> Indices:
     """Which rows (u, p) of a cell belong to no other: pressures, then velocities."""
     d, velocities = forms.V.dofmap.index_map_bs, forms.V.dofmap.list.shape[1]
     of_u, of_p = (inner_nodes(space) for space in (forms.V, forms.Q))

@@ -20,12 +20,12 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import MODES, Array, Configuration, rigid_motion
+from fsi.arrays import Array, Indices
+from fsi.bodies.configuration import MODES, Configuration, rigid_motion
 from fsi.meshes.build import FluidMesh, columns_of_masters
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN, NodalMatrix
 from fsi.stokes.discretisation.nodes import BoundaryNodes
-from fsi.stokes.discretisation.shared_rows import Index
 
 # For each component of the velocity the modes that give it: its translation, rotations about the other axes.
 ACTING = {2: ((0, 2), (1, 2)), 3: ((0, 4, 5), (1, 5, 3), (2, 3, 4))}
@@ -60,20 +60,20 @@ class DofLayout:
     dimension: int
     velocity_nodes: int
     pressure_nodes: int
-    fixed: Index
-    on_body: Index
-    body: Index
+    fixed: Indices
+    on_body: Indices
+    body: Indices
     modes: int
     axisymmetric: bool
-    slave: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    master: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    slave: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    master: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     away: Array = field(default_factory=lambda: np.empty((0, 2)))
-    inner: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    slip: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    normal: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    inner: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    slip: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    normal: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     sliding: bool = False
-    slip_slave: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    slip_master: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    slip_slave: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    slip_master: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     @property
     def rows(self) -> int:
@@ -93,7 +93,7 @@ class DofLayout:
         return free
 
     @property
-    def constrained(self) -> Index:
+    def constrained(self) -> Indices:
         """The other rows, but for the inner ones."""
         return np.concatenate([self.fixed, self.slave, self.on_body])
 
@@ -144,11 +144,11 @@ class RigidModes:
     """
 
     matrix: PETSc.Mat
-    rows: Index
-    modes: Index
+    rows: Indices
+    modes: Indices
     values: Array
 
-    def entries(self) -> tuple[Index, Index, Array]:
+    def entries(self) -> tuple[Indices, Indices, Array]:
         """Rows, modes and values, (n k,) each; the matrix itself would give them row by row."""
         return np.repeat(self.rows, self.modes.shape[1]), self.modes.ravel(), self.values.ravel()
 

@@ -24,7 +24,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh, FunctionSpace, coordinate_element
 from fsi.stokes.discretisation.jit import compile_form
 

@@ -37,7 +37,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.machine.heap import aligned
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh, FunctionSpace, matching_nodes
 from fsi.stokes.discretisation.constraints import DofLayout
 

@@ -4,8 +4,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
-from fsi.stokes.discretisation.shared_rows import Index
+from fsi.arrays import Array, Indices
 
 NO_COLUMN = -1
 
@@ -18,7 +17,7 @@ class NodalMatrix:
     """
 
     def __init__(
-        self, sizes: tuple[int, tuple[int, int | None]], rows: Index, column: Index, value: Array
+        self, sizes: tuple[int, tuple[int, int | None]], rows: Indices, column: Indices, value: Array
     ) -> None:
         """With `value[k, :]` in row `rows[k]`, local and each once, at `column[k, :]`, global; collective.
 

@@ -6,7 +6,7 @@ import numpy as np
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh, FunctionSpace
 
 Nodes = NDArray[np.int32]

@@ -12,9 +12,8 @@ from dolfinx.common import IndexMap
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fsi.arrays import Indices
 from fsi.stokes.discretisation.forms import Forms
-
-Index = NDArray[np.int64]
 
 
 class Shared:
@@ -27,7 +26,7 @@ class Shared:
         lent: which of its own rows others meet.
     """
 
-    def __init__(self, size: int, own: Index, ghosts: Index, owned: Index, owner: Index) -> None:
+    def __init__(self, size: int, own: Indices, ghosts: Indices, owned: Indices, owner: Indices) -> None:
         """Collective. owned: which of its rows each ghost is for its owner."""
         self._comm: MPI.Intracomm = MPI.COMM_WORLD
         ranks = range(self._comm.size)
@@ -35,7 +34,7 @@ class Shared:
         self._stretches = _stretches(own)
         self._ghosts = [ghosts[owner == rank] for rank in ranks]
         self._lent = self._comm.alltoall([owned[owner == rank] for rank in ranks])
-        self.lent: Index = np.unique(np.concatenate(self._lent))
+        self.lent: Indices = np.unique(np.concatenate(self._lent))
 
     def with_ghosts[T: np.generic](self, values: NDArray[T]) -> NDArray[T]:
         """Values of this rank's rows in local numbers, those of ghosts from their owners; collective."""
@@ -67,7 +66,7 @@ class Shared:
         return values
 
 
-def _stretches(numbers: Index) -> list[tuple[slice, slice]]:
+def _stretches(numbers: Indices) -> list[tuple[slice, slice]]:
     """Stretches of numbers that follow each other, and where they stand: slices are faster than numbers."""
     bounds = [0, *(np.flatnonzero(np.diff(numbers) != 1) + 1), len(numbers)]
     return [
@@ -100,16 +99,16 @@ class SharedRows(Shared):
         super().__init__(size, own, ghosts, owned, owner)
 
 
-def _rows(of: IndexMap, V: IndexMap, starts: Index, d: int) -> Index:
+def _rows(of: IndexMap, V: IndexMap, starts: Indices, d: int) -> Indices:
     """The rows of ghosts, counted from the first one of their owner."""
     if of is V:
         node = of.ghosts - starts[of.owners, 0]
         return np.asarray((d * node[:, None] + np.arange(d)).ravel())
-    rows: Index = starts[of.owners, 2] + of.ghosts - starts[of.owners, 1]
+    rows: Indices = starts[of.owners, 2] + of.ghosts - starts[of.owners, 1]
     return rows
 
 
-def shared_columns(columns: Index, here: int) -> tuple[Index, Shared]:
+def shared_columns(columns: Indices, here: int) -> tuple[Indices, Shared]:
     """The global numbers, ascending, of a rank's own columns and of others that it meets; collective.
 
     here: how many of them the rank owns.

@@ -29,12 +29,12 @@ import numpy as np
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
 from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN
 from fsi.stokes.discretisation.nodes import BoundaryNodes, facets_with
-from fsi.stokes.discretisation.shared_rows import Index, SharedRows
+from fsi.stokes.discretisation.shared_rows import SharedRows
 from fsi.stokes.problem import StokesProblem
 
 FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
@@ -83,12 +83,12 @@ class SlidingFacets:
     """
 
     shared: SharedRows
-    rows: Index
+    rows: Indices
     friction: Array
     normal: Array
     apart: Array
 
-    def triplets(self, columns: Index) -> tuple[Index, Index, Array]:
+    def triplets(self, columns: Indices) -> tuple[Indices, Indices, Array]:
         """Rows, columns and values of N and G among the unknowns y; columns: those of P, with ghosts."""
         n, d = self.rows.shape[1:]
         s, nu = columns[self.rows, 0], columns[self.rows[:, :, -1], -1]
@@ -154,7 +154,7 @@ def masses(x: Array, degree: int, *, axisymmetric: bool) -> tuple[Array, Array]:
     return mass, np.moveaxis(np.tensordot(n.swapaxes(1, 2), products, 1), 1, -1)
 
 
-def _nodes_of(forms: Forms, facets: NDArray[np.int32], x: Array) -> tuple[Index, Array]:
+def _nodes_of(forms: Forms, facets: NDArray[np.int32], x: Array) -> tuple[Indices, Array]:
     """The velocity nodes of facets, (E, n), and what turns the normal of that order out of the cell, (E,)."""
     V, d = forms.V, x.shape[1]
     entities = fem.compute_integration_domains(fem.IntegralType.exterior_facet, forms.mesh.topology, facets)

@@ -18,13 +18,13 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import Prolongation
 from fsi.stokes.discretisation.groups import Groups
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN
-from fsi.stokes.discretisation.shared_rows import Index, shared_columns
+from fsi.stokes.discretisation.shared_rows import shared_columns
 from fsi.stokes.solvers.mumps import Solve
 
 # Unknowns of a cell beyond its outer rows: each of four vertices may bring six modes in place of three rows,
@@ -35,7 +35,7 @@ MORE = 12
 class ConstrainedRows:
     """The rows of M that are constrained; they have as many entries as the cells have there."""
 
-    def __init__(self, cells: StokesCells, rows: Index) -> None:
+    def __init__(self, cells: StokesCells, rows: Indices) -> None:
         """Collective. rows: this rank's that are constrained."""
         self._shared, self.rows = cells.shared, rows
         own = np.zeros(len(self._shared.own), dtype=bool)
@@ -83,7 +83,7 @@ class CellSum:
         *,
         grouped: bool = False,
         apart: bool = False,
-        stays: Index | None = None,
+        stays: Indices | None = None,
     ) -> None:
         """Find the pattern, and fill it; collective.
 
@@ -103,14 +103,14 @@ class CellSum:
         self.matrix = self._created()
         self.fill()
 
-    def _numbered(self, columns: Index) -> None:
+    def _numbered(self, columns: Indices) -> None:
         """The unknowns that this rank's cells meet, and its own, get numbers from 0 on."""
         self._unknowns, self._shared = shared_columns(columns[columns != NO_COLUMN], self._P.here)
         number = np.full(self._P.matrix.size[1] + 1, NO_COLUMN, dtype=np.int32)
         number[self._unknowns] = np.arange(len(self._unknowns))
         self._columns: Numbers = number[columns]
 
-    def _met(self, columns: Index) -> Index:
+    def _met(self, columns: Indices) -> Indices:
         """The numbers of those columns that this rank meets; they ascend."""
         number = np.searchsorted(self._unknowns, columns)
         number = number[number < len(self._unknowns)]
@@ -132,7 +132,7 @@ class CellSum:
         self._most = loops().lib.list_unknowns(*sizes, *map(pointer, arrays))
         self._list = self._list[: self._start[-1]].copy()
 
-    def _grouped(self, stay: Index, *, merged: bool) -> None:
+    def _grouped(self, stay: Indices, *, merged: bool) -> None:
         """What groups of cells leave, which gets numbers of its own."""
         of_pressure = self._columns[self._cells.shared.pressures :, 0]
         pressure, stays = np.zeros(len(self._unknowns), dtype=bool), ~self._met_alone()

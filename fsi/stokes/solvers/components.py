@@ -14,11 +14,11 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.stokes.discretisation.constraints import Prolongation
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN
-from fsi.stokes.discretisation.shared_rows import Index, shared_columns
+from fsi.stokes.discretisation.shared_rows import shared_columns
 
 COMPONENTS = 3
 
@@ -82,7 +82,7 @@ class _RowsOfNodes:
             "weights": weights[on_body],
         }
 
-    def of(self, nodes: Index, more: int = 0) -> Rows:
+    def of(self, nodes: Indices, more: int = 0) -> Rows:
         """Rows of some nodes, columns ascending; more: room for other entries at the end."""
         lib, row = loops().lib, nodes.astype(np.int32)
         held = {name: pointer(array) for name, array in self._arrays.items()}

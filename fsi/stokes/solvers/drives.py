@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.meshes.geometry.lattice import unit_shear
 from fsi.stokes.problem import wall_area
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem, nodal_vector, wall_force

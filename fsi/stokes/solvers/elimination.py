@@ -27,7 +27,7 @@ import numpy as np
 from petsc4py import PETSc
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.bodies.surface_gap import narrowest_gap
 from fsi.errors import RefusedError, SolveError
 from fsi.stokes.problem import StokesProblem

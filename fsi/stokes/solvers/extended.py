@@ -13,7 +13,7 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 type Extended = NDArray[Any]  # of longdouble
 

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import SolveError, apart
 from fsi.stokes.solvers.components import COMPONENTS
 from fsi.stokes.solvers.extended import multiply
@@ -109,7 +109,7 @@ class SchurBlocks:
 class Iteration(AbstractContextManager["Iteration"]):
     """GMRES on a symmetric indefinite matrix of that form; use it in a `with` statement."""
 
-    def __init__(self, matrix: PETSc.Mat, blocks: SchurBlocks, tolerance: float = TOLERANCE) -> None:
+    def __init__(self, matrix: PETSc.Mat, blocks: SchurBlocks, tolerance: float) -> None:
         """Set up; tolerance: of residuals."""
         self.matrix, self.iterations, self._tolerance = matrix, 0, tolerance
         self._closed = blocks.closed

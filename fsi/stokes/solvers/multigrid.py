@@ -30,7 +30,8 @@ from dolfinx import fem
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array, rigid_motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import rigid_motion
 from fsi.meshes.build import FunctionSpace
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, dof_layout, rigid_modes
 from fsi.stokes.discretisation.forms import Forms

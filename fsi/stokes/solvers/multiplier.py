@@ -19,9 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.stokes.discretisation.constraints import Prolongation
-from fsi.stokes.discretisation.shared_rows import Index
 from fsi.stokes.solvers.assembly import CellSum
 from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from fsi.stokes.solvers.mumps import Factorisation
@@ -55,9 +54,9 @@ class _Numbers:
 
     starts: list[int]
     flow: int
-    multiplier: Index
-    mode: Index
-    free: Index
+    multiplier: Indices
+    mode: Indices
+    free: Indices
     free_here: int
 
     @property
@@ -78,7 +77,7 @@ class _Numbers:
         return cls(comm.allgather(first), flow, multiplier, mode, free, free_here)
 
 
-type _Triplets = tuple[Index, Index, Array]
+type _Triplets = tuple[Indices, Indices, Array]
 
 
 def _solve(system: StokesSystem) -> NodalSolution:
@@ -153,13 +152,13 @@ def _renumbered(flow: PETSc.Mat, starts: list[int]) -> _Triplets:
     return _shifted(row, ranges, starts), _shifted(column, ranges, starts), value
 
 
-def _shifted(number: Index, ranges: Index, starts: list[int]) -> Index:
+def _shifted(number: Indices, ranges: Indices, starts: list[int]) -> Indices:
     """From numbers shared out by `ranges` to numbers in which rank k's begin at starts[k]."""
     owner = np.searchsorted(ranges, number, side="right") - 1
     return np.asarray(number - np.asarray(ranges)[owner] + np.asarray(starts)[owner])
 
 
-def _trace(S: PETSc.Mat, on_body: Index, numbers: _Numbers) -> _Triplets:
+def _trace(S: PETSc.Mat, on_body: Indices, numbers: _Numbers) -> _Triplets:
     """-C: the multiplier of a node on a body meets that node's own velocity."""
     indptr, column, _ = S.getValuesCSR()
     velocity = _shifted(column[indptr[on_body]], S.getOwnershipRangesColumn(), numbers.starts)

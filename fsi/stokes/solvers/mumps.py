@@ -25,7 +25,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.moving.slip import unfactorised
 from fsi.stokes.solvers.refinement import correction

@@ -23,7 +23,8 @@ from dolfinx import mesh as dolfinx_mesh
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.matching import matching_points

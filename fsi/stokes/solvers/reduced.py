@@ -16,10 +16,9 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array, Indices
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
-from fsi.stokes.discretisation.shared_rows import Index
 from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.solvers.assembly import CellSum
 from fsi.stokes.solvers.extended import ExtendedMatrix, multiply, multiply_transpose
@@ -215,7 +214,7 @@ class Elimination:
         self._factors = self._sum = None
 
 
-def add_to_modes(matrix: PETSc.Mat, row: Index, K: scipy.sparse.csr_array) -> None:
+def add_to_modes(matrix: PETSc.Mat, row: Indices, K: scipy.sparse.csr_array) -> None:
     """Add what couples modes among each other, row: those of a rank's own ones; collective."""
     entries, here = K.tocoo(), matrix.getLocalSize()[0]
     of_modes = PETSc.Mat().createAIJ(size=((here, None), (here, None)), comm=matrix.comm)

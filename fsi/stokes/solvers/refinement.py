@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 
 STEPS = 3
 

@@ -21,7 +21,8 @@ import numpy as np
 import scipy  # its modules load when they are used
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.stokes.discretisation.forms import Forms

@@ -16,7 +16,7 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.arrays import Array
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Form, Forms
@@ -88,7 +88,7 @@ class NodalSolution:
         U: velocities of the bodies, (N, M), on all ranks.
         residual: relative residual of the linear system.
         iterations: most of them, 0 by the direct solver.
-        pressure_gradient: G of a periodic flow, (2,).
+        pressure_gradient: G of a periodic flow, (d,).
         flux: of fluid and bodies along a channel whose dp/dx is given, else None.
         wall_speeds: along x, of the walls that a stress moves.
         shear_rate: of a cell that a stress shears, else None.

@@ -153,6 +153,17 @@ def test_other_cases_are_refused_in_one_line(
     assert not (run / "settling.png").exists()
 
 
+def test_a_gluey_run_is_refused(run: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """It has no viscous fluid, though all else is as the exact law wants it."""
+    text = (run / "case.toml").read_text().replace("[time]", "[time]\nstep = 0.1")
+    (run / "case.toml").write_text(f'model = "gluey"\n{text}')
+    assert fsi_command("analyse", "settling", run) == 2
+    said = capfd.readouterr().err
+    assert said.startswith('error: model = "gluey": has no viscous fluid')
+    assert said.endswith("; give a run of resolved, pores or reduced\n")
+    assert not (run / "settling.png").exists()
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [("", "no rows yet"), ("step,t,body,y\n1,2.0,disc,ab\n", "broken"), ("step,t,body,y\n1,2.0\n", "broken")],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -136,6 +137,18 @@ def test_values_of_a_registered_field(run: Path, upwards: RenderedField) -> None
     x = np.asarray(flow.points)
     np.testing.assert_allclose(value, 2.0 * x[:, 1] * np.sin(0.5 * x[:, 0]) + x[:, 0], rtol=1e-5, atol=1e-5)
     assert "upwards" in field_names()
+
+
+@pytest.mark.usefixtures("upwards")
+def test_a_field_whose_name_is_taken_is_refused() -> None:
+    """Those of the program stay."""
+    before = rendered_field("speed")
+    mine = replace(before, value=lambda at, _: at["pressure"])
+    with pytest.raises(
+        ValueError, match=r'^"speed": is the name of fsi\.postprocess\.render\.fields\.<lambda>'
+    ):
+        register_field(mine)
+    assert rendered_field("speed") is before
 
 
 def test_the_help_lists_the_fields(

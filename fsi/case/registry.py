@@ -1,0 +1,127 @@
+"""Sections of a case file of which one stands at a place: domains, shapes, laws of force.
+
+They are told apart by a word in them, at a key that allows one choice only, like `shape: Literal["box"]`, and
+registered by a decorator, also from outside this package.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Any, ClassVar, Literal, get_args, get_origin, override
+
+from pydantic import ValidationInfo
+
+from fsi.case.section import Section
+from fsi.errors import refuse_taken
+
+
+@cache
+def _load(room: str) -> None:
+    for module in iter_modules(import_module(room).__path__):
+        import_module(f"{room}.{module.name}")
+
+
+class Registry[S: Section]:
+    """The sections of one place, in the order of registration.
+
+    Attributes:
+        key: whose words messages list.
+        room: a package, each file of which may have some; None where all are registered as they are loaded.
+        sections: the classes that are registered so far.
+    """
+
+    def __init__(self, key: str, room: str | None = None) -> None:
+        self.key, self.room = key, room
+        self.sections: list[type[S]] = []
+
+    def all(self) -> Sequence[type[S]]:
+        """The classes. Those of the room are loaded when they are first asked for: most cases have none."""
+        if self.room is None:
+            return self.sections
+        _load(self.room)
+        within, names = f"{self.room}.", [section.__module__ for section in self.sections]
+        # By name, whichever file was loaded first; those of other rooms after them.
+        order = sorted(range(len(names)), key=lambda k: (not names[k].startswith(within), names[k]))
+        return [self.sections[k] for k in order]
+
+    def register[T: Section](self, section: type[T]) -> type[T]:
+        """Take a section up, in place of the same one where that is loaded anew; a decorator.
+
+        Two may have one word, like a box and a channel, where the later one has all keys of the other and
+        more. Raises ValueError: no key tells it from another one.
+        """
+        known: list[type[Any]] = self.sections
+        for k, other in enumerate(known):
+            if (other.__module__, other.__qualname__) == (section.__module__, section.__qualname__):
+                known[k] = section
+                return section
+            word = _common_word(section, other)
+            if word is not None and not section.model_fields.keys() > other.model_fields.keys():
+                refuse_taken(word, other, section)
+        known.append(section)
+        return section
+
+    @property
+    def choices(self) -> str:
+        """The words at the key, as messages list them: "one", "two" or "three"."""
+        words = [_words(section).get(self.key) for section in self.all()]
+        *most, last = dict.fromkeys(f'"{word}"' for word in words if word)
+        return f"{', '.join(most)} or {last}" if most else last
+
+    def section_for(self, data: Mapping[str, Any]) -> type[S]:
+        """The section whose words the data have; for misspelt or missing ones that which knows most keys.
+
+        That section then refuses the word, or the key that is not its own, by name.
+        """
+
+        def fit(section: type[S]) -> tuple[int, int]:
+            right = [data[key] == word for key, word in _words(section).items() if key in data]
+            return sum(right), sum(key in section.model_fields for key in data) - right.count(False)
+
+        return max(self.all(), key=fit)
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        """The section that nested dictionaries describe; what is a section already stays."""
+        if isinstance(value, tuple(self.all())):
+            return value
+        section = self.section_for(value) if isinstance(value, dict) else self.all()[0]
+        return section.model_validate(value, context=info.context)
+
+
+class Registered(Section):
+    """The base of the sections of one registry."""
+
+    registry: ClassVar[Registry[Any]]
+
+    @classmethod
+    @override
+    def alternatives(cls) -> Sequence[type[Section]]:
+        return cls.registry.all()
+
+    @classmethod
+    @override
+    def meant_by(cls, data: Any, /) -> type[Section]:
+        found: type[Section] = cls.registry.section_for(data) if isinstance(data, dict) else cls
+        return found
+
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        return cls.registry.choices if key == cls.registry.key else super().describe(key)
+
+
+def _common_word(one: type[Section], other: type[Section]) -> str | None:
+    """One that both have where no word tells them apart, else None."""
+    a, b = _words(one), _words(other)
+    shared = [key for key in a if key in b]
+    return a[shared[0]] if shared and all(a[key] == b[key] for key in shared) else None
+
+
+def _words(section: type[Section]) -> dict[str, str]:
+    """The keys of a section that allow one choice only, and that."""
+    fields = {key: field.annotation for key, field in section.model_fields.items()}
+    choices = {key: get_args(kind) for key, kind in fields.items() if get_origin(kind) is Literal}
+    return {key: words[0] for key, words in choices.items() if len(words) == 1}

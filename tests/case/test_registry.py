@@ -1,0 +1,63 @@
+"""Words of sections that are registered: each of one section, unless more keys tell two apart."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import pytest
+
+from fsi.case.registry import Registered, Registry
+
+
+class Built(Registered):
+    kind: Literal["round"]
+    size: float = 1.0
+
+
+@pytest.fixture
+def registry() -> Registry[Any]:
+    found = Registry[Any]("kind")
+    found.register(Built)
+    return found
+
+
+def test_a_word_that_is_taken_is_refused(registry: Registry[Any]) -> None:
+    """The first of two would be taken without a word, whatever else the second one does."""
+
+    class Other(Registered):
+        kind: Literal["round"]
+        radius: float = 1.0
+
+    with pytest.raises(
+        ValueError, match=r'^"round": is the name of tests\.case\.test_registry\.Built already;'
+    ):
+        registry.register(Other)
+    assert registry.all() == [Built]
+
+
+def test_more_keys_or_another_word_tell_two_apart(registry: Registry[Any]) -> None:
+    """As `periodic` does a channel from a box, and `law` two laws of one kind."""
+
+    class More(Built):
+        depth: float
+
+    class Lawful(Registered):
+        kind: Literal["law"]
+        law: Literal["one"]
+
+    class Lawful2(Registered):
+        kind: Literal["law"]
+        law: Literal["two"]
+
+    for section in (More, Lawful, Lawful2):
+        registry.register(section)
+    assert registry.section_for({"kind": "round"}) is Built
+    assert registry.section_for({"kind": "round", "depth": 1.0}) is More
+    assert registry.section_for({"kind": "law", "law": "two"}) is Lawful2
+
+
+def test_what_is_loaded_anew_takes_its_own_place(registry: Registry[Any]) -> None:
+    """A cell of a notebook that is run again, with a change, is no clash, and the change holds."""
+    changed = type("Built", (Built,), {"__module__": Built.__module__, "__qualname__": Built.__qualname__})
+    registry.register(changed)
+    assert registry.all() == [changed]
