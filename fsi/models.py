@@ -116,7 +116,7 @@ def make_evolution(case: Case) -> Evolution:
     """What moves the bodies of a case in time. Raises InputError: no [time], or a mesh that they leave."""
     _ = case.timing
     check_strayed_lattice(case)
-    if case.model == "resolved":
+    if case.level.meshed:
         check_own_mesh(case)
     return EVOLUTIONS[case.model](case) if case.model in EVOLUTIONS else stepped(case, make_model(case))
 
@@ -139,7 +139,7 @@ def make_stepper(case: Case, model: Model) -> Advance:
     from fsi.integration.stepper import Refinable, RefiningStepper, Stepper
 
     time, masses, U = case.timing, case.masses(), case.initial_velocity()
-    schedule = Schedule(time.end, case.knots(), case.output.interval)
+    schedule = Schedule(time.end, case.kinks(), case.output.interval)
     make = case.scheme.make
     if make is None:
         from fsi.reduced.distance_model import DistanceModel

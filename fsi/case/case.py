@@ -276,7 +276,7 @@ class Case(Section):
         masses, q = np.array([body.mass or 0.0 for body in self.bodies]), self.configuration()
         return Bulk(masses, q.volumes if q.shaped else volumes(q.radii, spheres=self.spheres))
 
-    def knots(self) -> tuple[float, ...]:
+    def kinks(self) -> tuple[float, ...]:
         """The times at which a table has a kink, increasing."""
         of_bodies = (body.kinks() for body in self.bodies)
         of_forces = (force.kinks(self.bulk()) for force in self.forces)

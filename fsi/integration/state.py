@@ -29,15 +29,15 @@ SAME_TIME = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """Steps land on `knots` (the kinks of the data), on multiples of `interval` (None: none), on the end."""
+    """Steps land on `kinks` (the kinks of the data), on multiples of `interval` (None: none), on the end."""
 
     end: float
-    knots: tuple[float, ...] = ()
+    kinks: tuple[float, ...] = ()
     interval: float | None = None
 
     def next_stop(self, t: float) -> float:
         """The first time after t to land on; at most the end."""
-        stops = [*self.knots, *self._outputs_after(t)]
+        stops = [*self.kinks, *self._outputs_after(t)]
         first = min((s for s in stops if s > t and not self._same(s, t)), default=self.end)
         return self.end if first > self.end or self._same(first, self.end) else first
 
@@ -55,9 +55,9 @@ class Schedule:
             return True
         return self._same(t, round(t / self.interval) * self.interval)
 
-    def is_knot(self, t: float) -> bool:
+    def is_kink(self, t: float) -> bool:
         """True where the data have a kink."""
-        return any(self._same(t, knot) for knot in self.knots)
+        return any(self._same(t, kink) for kink in self.kinks)
 
     def _outputs_after(self, t: float) -> list[float]:
         """The next multiples of the interval, among them the first after t whatever the rounding."""

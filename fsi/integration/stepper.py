@@ -118,7 +118,7 @@ class Stepper:
                 f"at t = {t_end:.9g} the gap between {self._sides(lost)} is {lost.gap:.3g}, which is lost in "
                 "the rounding of their places; end the run before, by time.end or time.contact_gap"
             )
-        if past is not None and self.schedule.is_knot(t_end):
+        if past is not None and self.schedule.is_kink(t_end):
             past = past.forgotten()
         following = self._next_step(h, used, factor, rejected)
         new = State(t_end, state.step + 1, q, velocities(instant), following, past)

@@ -111,7 +111,7 @@ class ReducedModel:
         self.tangential = make_tangential_laws(case)
         self.reach = np.inf if case.reduced.cutoff is None else case.reduced.cutoff
         self.zeta = drag(case)
-        self._steady = None if case.knots() else case.motion(0.0)  # with many bodies worth keeping
+        self._steady = None if case.kinks() else case.motion(0.0)  # with many bodies worth keeping
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ReducedInstant:
         """The velocities at q and t. Raises SolveError: overlap, undetermined motion, a violated identity."""

@@ -21,7 +21,7 @@ def told_contact(case: Case, steps: Mapping[str, Array]) -> str:
     found = contact_time(steps["t"], steps["smallest_gap"])
     if found is None:
         return _unknown("the gap has not closed steadily")
-    last = max(case.knots(), default=found.since)
+    last = max(case.kinks(), default=found.since)
     if last > found.since:
         return _unknown(f"loads or velocities change until t = {last:g}, {LAW}")
     law = f"the gap closes as -q' ~ q^({found.exponent:.4f} ± {found.exponent_error:.0e})"

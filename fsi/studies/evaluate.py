@@ -114,8 +114,8 @@ def _moved(case: Case, folder: Path, quantity: str) -> FoundValue:
         if column not in (table.dtype.names or ()):
             raise InputError(f"--quantity {quantity}: runs of this model have none; take another quantity")
         if quantity == DISSIPATION:
-            require_enough(table["t"], case.knots(), quantity)
-        return FoundValue(*mean_over_time(table["t"], table[column], case.knots()))
+            require_enough(table["t"], case.kinks(), quantity)
+        return FoundValue(*mean_over_time(table["t"], table[column], case.kinks()))
     if quantity.startswith(TIME_AT_GAP):
         table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
         return FoundValue(time_at(gap_of(quantity), table["t"], table["smallest_gap"]))

@@ -53,7 +53,7 @@ def accumulated_strain(case: Case, t: Array) -> Array | None:
     """The strain from time 0 to times t (n,), the integral of the shear rate; None where there is none."""
     if shear_rate(case, 0.0) is None:
         return None
-    kinks = [kink for kink in case.knots() if kink < t[-1]]
+    kinks = [kink for kink in case.kinks() if kink < t[-1]]
     fine = np.unique(np.concatenate([[0.0], kinks, t]))  # the rate is linear in between
     rate = np.array([shear_rate(case, float(at)) for at in fine])
     strain = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(fine))])

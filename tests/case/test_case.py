@@ -60,7 +60,7 @@ def test_defaults() -> None:
     assert case.time is not None
     assert case.time.smallest_step == pytest.approx(5e-9)
     assert case.masses() is None
-    assert case.knots() == ()
+    assert case.kinks() == ()
     assert not case.motion(0.0).held.any()
     assert list(case.wall_velocity(0.0)) == ["left", "right", "bottom", "top"]
     assert case.wall_pressure() == {}
@@ -91,7 +91,7 @@ def test_motion_and_loads_follow_their_tables() -> None:
         "top": [{"times": [0.0, 2.0], "values": [0.0, 1.0]}, 0.0],
     }
     case = parse_case(data)
-    assert case.knots() == (0.0, 1.0, 2.0, 3.0)
+    assert case.kinks() == (0.0, 1.0, 2.0, 3.0)
     motion = case.motion(2.5)
     np.testing.assert_array_equal(motion.held, [[True, False, False], [False, False, False]])
     np.testing.assert_allclose(motion.U, [[3.0, 0.0, 0.0], [0.0, 0.0, 0.0]])

@@ -60,7 +60,7 @@ def test_motion_does_not_depend_on_the_frame_nor_on_the_order_of_bodies(
 
 
 def test_a_step_cut_short_to_land_does_not_shorten_the_next() -> None:
-    stepper = replace(in_a_large_box(drift), schedule=Schedule(4.0, knots=(1.0, 1.001)), first_step=1.0)
+    stepper = replace(in_a_large_box(drift), schedule=Schedule(4.0, kinks=(1.0, 1.001)), first_step=1.0)
     start = stepper.start(Configuration(np.zeros((1, 2)), np.zeros(1), np.ones(1)))
     first = stepper.advance(start.state)
     second = stepper.advance(first.state)

@@ -117,7 +117,7 @@ def check_flux(case: Case) -> None:
     if case.wall_pressure() or not case.domain.walls:
         return
     fluxes = dict(zip(case.domain.walls, case.container().wall_fluxes(), strict=True))
-    for t in case.knots() or (0.0,):
+    for t in case.kinks() or (0.0,):
         outward = {
             name: float(fluxes[name][:-1] @ wall.velocity + fluxes[name][-1] * wall.shear)
             for name, wall in case.wall_velocity(t).items()

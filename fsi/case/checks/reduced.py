@@ -180,5 +180,5 @@ def _check_background(case: Case) -> None:
             f"domain.walls.{name} = {{pressure = {pressures[name]:g}}}: the reduced model knows no flow that "
             "pressure drives; give all open walls the same"
         )
-    for t in case.knots() or (0.0,):
+    for t in case.kinks() or (0.0,):
         background(case.container(), case.wall_velocity(t))
