@@ -17,6 +17,7 @@ from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.spatial.grading import COARSEST
+from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.walls import singular_pairs
@@ -47,10 +48,15 @@ class Reference(StokesModel):
         if case.dimension == 3 and singular_pairs(case):
             sizes["growth"] = min(now.growth, COARSEST) / EDGES
         super().__init__(case.model_copy(update={"discretisation": now.model_copy(update=sizes)}))
+        self.meshes = GradedMeshes(self.case)
+
+
+class GradedMeshes(CaseMeshes):
+    """The meshes of a case, in the plane with graded walls."""
 
     def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """A new mesh in the units of the model."""
-        container = graded(self.units.scaled_container(self.case.container()).at(t))
+        container = graded(self._container.at(t))
         here = self.units.scaled_configuration(q)
         shapes, standing = here.placed, here.standing
         domain = FluidDomain(

@@ -26,9 +26,10 @@ from bench.random_cases import random_case
 from fsi.case.load import parse_case
 from fsi.errors import SolveError
 from fsi.observables.bars import DrivenBodies
-from fsi.pores.accuracy import solve_with_errors, with_modes
+from fsi.pores.accuracy import solve_with_errors
 from fsi.pores.fineness import Fineness
 from fsi.pores.model import driven
+from fsi.pores.resistance import with_modes
 
 KINDS = ["box, walls at rest", "channel, sheared", "channel, driven", "cell", "round container", "suspension"]
 MODES, FINEST = (1, 4), 16

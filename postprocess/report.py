@@ -17,7 +17,7 @@ from fsi.bodies.gaps import OVERLAP
 from fsi.errors import InputError
 from fsi.files import require_suffix, write_whole
 from fsi.gluey.step import ACCEPTED, MOMENTUM
-from fsi.observables.truncation import BOUND, IDENTITIES
+from fsi.observables.solved_flow import BOUND, IDENTITIES
 from fsi.pores.instant import BOUND as PORES_BOUND
 from fsi.postprocess.plots.histories import plot_runs
 from fsi.postprocess.render.network import NECKS

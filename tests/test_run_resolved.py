@@ -23,6 +23,7 @@ from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.write import write_mesh
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run as run_case
+from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.model import StokesModel
 from tests.ranks import python_on
 from tests.small_run import contents, launches
@@ -210,7 +211,7 @@ def test_a_refused_run_leaves_nothing_behind(tmp_path: Path) -> None:
     coarse = ["discretisation.cells_per_circle=12", "discretisation.growth=1.0", "discretisation.degree=2"]
     box, out = ROOT / "cases" / "disc_in_box.toml", tmp_path / "run"
     case = load_case(box, coarse)
-    write_mesh(StokesModel(case).mesh(case.configuration()), tmp_path / "mine.msh", case.names)
+    write_mesh(CaseMeshes(case).mesh(case.configuration()), tmp_path / "mine.msh", case.names)
     own = [*coarse, f'domain.mesh="{tmp_path}/mine.msh"', "time={end=1.0}"]
     with pytest.raises(InputError, match=r"domain\.mesh = .*bodies\.0\.velocity\.1 lets 'disc' move; drop"):
         run_case(load_case(box, own), out)

@@ -25,14 +25,31 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
 
     Raises InputError: the kind has no such option, or a number is out of range.
     """
+    _require_options(kind, options, spelled)
+    _require_consistent(options, spelled)
+    filled = (
+        {"spread": _SPREADS[options.get("sizes", "equal")], "dimension": KINDS[kind].dimension}
+        | _shape(kind, common["number"])
+        | dict(options)
+    )
+    asked = Wanted(**common, **filled)
+    _require_ranges(asked, spelled)
+    return asked
+
+
+def _require_options(kind: Kind, options: Mapping[str, Any], spelled: Spelling) -> None:
+    """Raise InputError where the kind has no such option."""
     for name, value in options.items():
         if name not in KINDS[kind].options:
             takes = ", ".join(KINDS[kind].options) or "none"
             raise InputError(
                 f"{spelled(name, value)}: {kind} has no such option; drop it ({kind} takes {takes})"
             )
-    sizes = options.get("sizes", "equal")
-    if "spread" in options and sizes == "equal":
+
+
+def _require_consistent(options: Mapping[str, Any], spelled: Spelling) -> None:
+    """Raise InputError where one option leaves another no meaning."""
+    if "spread" in options and options.get("sizes", "equal") == "equal":
         given, remedy = (spelled(*each) for each in (("spread", options["spread"]), ("sizes", "bidisperse")))
         raise InputError(f"{given}: the radii are equal; give {remedy} or lognormal")
     if options.get("shape", "disc") == "disc":
@@ -43,15 +60,13 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
     elif options.get("dimension", 2) == 3:
         given, remedy = (spelled(*each) for each in (("shape", options["shape"]), ("dimension", 2)))
         raise InputError(f"{given}: is for the plane; give {remedy}, or drop it")
-    filled = (
-        {"spread": _SPREADS[sizes], "dimension": KINDS[kind].dimension}
-        | _shape(kind, common["number"])
-        | dict(options)
-    )
-    asked = Wanted(**common, **filled)
+
+
+def _require_ranges(asked: Wanted, spelled: Spelling) -> None:
+    """Raise InputError where a number is out of range."""
     for name, value, least in (
         ("area_fraction", asked.fraction, 0.0), ("radius", asked.radius, 0.0), ("gap", asked.gap, 0.0),
-        ("aspect", asked.aspect, 0.0), ("spread", asked.spread, 1.0 if sizes == "bidisperse" else 0.0),
+        ("aspect", asked.aspect, 0.0), ("spread", asked.spread, 1.0 if asked.sizes == "bidisperse" else 0.0),
         ("ratio", asked.ratio, 1.0), ("aligned", asked.aligned or 0.0, -360.0),
     ):  # fmt: skip
         at_least = name in ("gap", "spread", "aligned")
@@ -61,7 +76,6 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
     if asked.fraction >= 1.0:
         given = spelled("area_fraction", asked.fraction)
         raise InputError(f"{given}: bodies cannot fill all; give a number below 1")
-    return asked
 
 
 def _shape(kind: Kind, number: int) -> dict[str, Any]:

@@ -16,13 +16,10 @@ law = "0b5c..."
 from pathlib import Path
 from typing import Any
 
-import tomli_w
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from fsi.case.complaints import explain
-from fsi.case.section import NotNegative, Positive, Section, toml_data
-from fsi.errors import InputError
-from fsi.files import replace
+from fsi.case.section import NotNegative, Positive, Section
+from fsi.case.section_file import read_section, save_section
 from fsi.lubrication.expansions import Shape
 
 
@@ -49,13 +46,9 @@ class DragFile(Section):
 
 def read_drag_file(path: Path) -> DragFile:
     """The content of a drag file. Raises InputError, one line with key, value and remedy."""
-    data = toml_data(path, "a drag file, `fsi resistance CASE --drag FILE` writes one")
-    try:
-        return DragFile.model_validate(data)
-    except ValidationError as error:
-        raise InputError(f"{path}: {explain(error, DragFile, data)}") from None
+    return read_section(DragFile, path, "a drag file, `fsi resistance CASE --drag FILE` writes one")
 
 
 def save_drag(path: Path, drag: DragFile) -> None:
     """Write a drag file, in one go."""
-    replace(path, tomli_w.dumps(drag.model_dump(exclude_none=True)).encode())
+    save_section(path, drag)

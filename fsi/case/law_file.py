@@ -24,15 +24,13 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 import numpy as np
-import tomli_w
-from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from fsi.arrays import Array
-from fsi.case.complaints import explain
-from fsi.case.section import Positive, Section, toml_data, tuples
-from fsi.errors import InputError
-from fsi.files import digest_of, replace
+from fsi.case.section import Positive, Section
+from fsi.case.section_file import read_section, save_section
+from fsi.files import digest_of
 from fsi.lubrication.expansions import EXPONENTS, LawShape, Mode, Shape
 from fsi.lubrication.fitting import band
 from fsi.lubrication.laws import LubricationLaw, ScaledLaw
@@ -237,13 +235,9 @@ def not_falling(series: Series) -> str | None:
 
 def read_law_file(path: Path) -> LawFile:
     """The content of a law file. Raises InputError, one line with key, value and remedy."""
-    data = toml_data(path, "a law file")
-    try:
-        return LawFile.model_validate(tuples(data))
-    except ValidationError as error:
-        raise InputError(f"{path}: {explain(error, LawFile, data)}") from None
+    return read_section(LawFile, path, "a law file")
 
 
 def save_law(path: Path, law: LawFile) -> None:
     """Write a law file, in one go."""
-    replace(path, tomli_w.dumps(law.model_dump(exclude_none=True)).encode())
+    save_section(path, law)

@@ -190,12 +190,12 @@ def mesh(
         written = parallel.on_root(lambda: write_step_mesh(source, step, output))
         message = f"wrote {output}, step {written}"
     else:
-        from fsi.stokes.model import StokesModel
+        from fsi.stokes.meshes import CaseMeshes
 
         if step is not None:
             raise InputError(f"--step {step}: a case has no steps; give a run folder")
         case = load_meshed(source, overrides)
         require_suffix(output)
-        write_mesh(StokesModel(case).mesh(case.configuration()), output, case.names)
+        write_mesh(CaseMeshes(case).mesh(case.configuration()), output, case.names)
         message = f"wrote {output}"
     tell(message)

@@ -32,7 +32,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.bodies.configuration import MODES as MODES_OF_BODY
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, pair_gaps, wall_gaps
 from fsi.bodies.opened import lubricating
@@ -42,7 +41,7 @@ from fsi.lubrication import sliding_spheres
 from fsi.lubrication.expansions import EXPONENTS, MODES, Mode, Shape
 from fsi.lubrication.laws import LubricationLaw, ScaledLaw
 from fsi.lubrication.named_laws import GapFilm, exact_law, leading_law
-from fsi.lubrication.sliding import Nearby, slide_and_roll, tangents
+from fsi.lubrication.sliding import Factors, Nearby, rate_rows, slide_and_roll, tangents
 from fsi.meshes.geometry.container import Container
 
 FULL = 0.5
@@ -190,7 +189,7 @@ class OpenedGaps:
         weight = -near.weight if meshed else near.weight
         kappa = self._resistances(sides)
         one, none = np.ones(len(weight)), np.zeros(len(weight))
-        each = [(sides.n, one, none, none, kappa["squeeze"])]
+        each = [(sides.n, Factors(one, none, none, kappa["squeeze"]))]
         if not self.container.axisymmetric:
             tangential: dict[Mode, Array] = {
                 "shear": kappa["shear"],
@@ -198,30 +197,24 @@ class OpenedGaps:
             }
             coupling = self._couplings(sides) if self.spheres else None
             each += [
-                (t, f.across, f.turn, f.turn_other, f.resistance)
+                (t, factors)
                 for t in tangents(sides.n)
-                for f in slide_and_roll(sides, tangential, coupling)
+                for factors in slide_and_roll(sides, tangential, coupling)
             ]
-        of_pair, wall = near.body, near.wall
-        for t, across, turn, turn_other, resistance in each:
-            along, turns = across[:, None] * t, self._axes(sides.n, t)
-            G = self._placed(of_pair[:, 0], along, turn[:, None] * turns)
-            G += (wall < 0)[:, None] * self._placed(of_pair[:, 1], -along, turn_other[:, None] * turns)
+        for t, factors in each:
+            of_i, of_j = rate_rows(sides, t, factors)
             # A moving image has the velocity of its body and that of the lattice.
-            where = np.full(len(wall), meshed)
-            yield PairRates(G, along, place, apart, wall, weight * resistance, of_pair, where)
+            G = self._placed(near.body[:, 0], of_i) + self._placed(near.body[:, 1], of_j)
+            along, resistance = of_i[:, : t.shape[1]], weight * factors.resistance
+            where = np.full(len(weight), meshed)
+            yield PairRates(G, along, place, apart, near.wall, resistance, near.body, where)
 
-    @staticmethod
-    def _axes(n: Array, t: Array) -> Array:
-        """m = n x t, (P, r): in the plane 1."""
-        return np.ones((len(n), 1)) if n.shape[1] == 2 else np.cross(n, t)
-
-    def _placed(self, body: NDArray[np.intp], along: Array, turns: Array) -> Array:
-        """Rows over the modes of all bodies, (P, N M)."""
-        N, d = self.q.centres.shape
-        rows = np.zeros((len(body), N, len(MODES_OF_BODY[d])))
-        rows[np.arange(len(body)), body] = np.hstack([along, turns])
-        return rows.reshape(len(body), N * rows.shape[2])
+    def _placed(self, body: NDArray[np.intp], rows: Array) -> Array:
+        """Rows (P, M) of a body each over the modes of all bodies, (P, N M)."""
+        (P, M), N = rows.shape, len(self.q)
+        placed = np.zeros((P, N, M))
+        placed[np.arange(P), body] = rows
+        return placed.reshape(P, N * M)
 
     def _resistances(self, sides: Nearby) -> dict[Mode, Array]:
         """R at the gaps of all pairs, of each mode, (P,)."""

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from fsi.arrays import Array
 from fsi.lubrication.profiles import Term
 
+FREE = 3  # of the terms, the first ones, have no prior
 CONFIDENCE = 1.959963984540054  # standard deviations of a 95 % interval
 CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is believed
 # Of later coefficients over the constant that surroundings add. Boxes that leave a disc half a radius at its
@@ -87,34 +88,32 @@ def design(terms: tuple[Term, ...], s: Array) -> Array:
     return np.stack([term.value(s) for term in terms], axis=-1)
 
 
-def fit_series(
-    s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: int = 3, *, confined: bool = False
-) -> Fit:
+def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], *, confined: bool = False) -> Fit:
     """Fit the series to the samples of the smallest gaps, to as many as agree with it.
 
     The farthest samples are dropped until chi^2 is believable, down to one more than free coefficients, where
     it may still not be: see `Fit.agrees`.
 
-    s: gaps over the reduced radius, increasing, (n,), n > free. K, bars: samples of the profile and their
-    errors, positive, (n,). terms: in the order of their size at small s; the first `free` of them have no
+    s: gaps over the reduced radius, increasing, (n,), n > FREE. K, bars: samples of the profile and their
+    errors, positive, (n,). terms: in the order of their size at small s; the first FREE of them have no
     prior. confined: whether surroundings add what is analytic in s: a constant, one of the free terms, and
     later terms of its size. Raises ValueError: too few samples, or not in order.
     """
-    if len(s) <= free or np.any(np.diff(s) <= 0.0):
-        raise ValueError(f"{len(s)} samples: a fit needs more than {free}, at increasing gaps")
-    for n in range(len(s), free, -1):
+    if len(s) <= FREE or np.any(np.diff(s) <= 0.0):
+        raise ValueError(f"{len(s)} samples: a fit needs more than {FREE}, at increasing gaps")
+    for n in range(len(s), FREE, -1):
         # |c1| is known well enough by the first sample
-        phi, widths = design(terms, s[:n]), np.full(len(terms) - free, abs(K[0] / terms[0].value(s[:1])[0]))
+        phi, widths = design(terms, s[:n]), np.full(len(terms) - FREE, abs(K[0] / terms[0].value(s[:1])[0]))
         c, covariance, misfit = regression(phi, K[:n], bars[:n], widths)
         if confined:
             widths = np.maximum(widths, SURROUNDINGS * abs(c[terms.index(Term(0.0))]))
             c, covariance, misfit = regression(phi, K[:n], bars[:n], widths)
-        if believable(misfit, n - free):
+        if believable(misfit, n - FREE):
             break
     exponent, error = _leading_exponent(s[:n], K[:n], bars[:n], terms, widths)
     return Fit(
-        terms, free, c, covariance, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
-        misfit, n - free, exponent, error,
+        terms, FREE, c, covariance, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
+        misfit, n - FREE, exponent, error,
     )  # fmt: skip
 
 

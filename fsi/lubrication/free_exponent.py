@@ -27,10 +27,9 @@ import numpy as np
 import scipy  # its modules load when they are used
 
 from fsi.arrays import Array
-from fsi.lubrication.fitting import Fit, believable, design, regression
+from fsi.lubrication.fitting import FREE, Fit, believable, design, regression
 from fsi.lubrication.profiles import Term
 
-FREE = 3  # of the terms, the first ones, have no prior
 NATURAL = 10.0  # size of the others over c_1: of tips c_2 and c_3 come to eight times that
 LEAST, MOST, PIECES = 0.05, 2.5, 99  # where m is looked for
 # Of the first sample: with c_1 = 0 three times m would do as well, as what follows has a third of it.

@@ -71,6 +71,12 @@ class Factors:
     resistance: Array
 
 
+def arms[Length: (float, Array)](a: Length, b: Length, gap: Length) -> tuple[Length, Length]:
+    """`l_i` and `l_j` of bodies of radii a and b, which meet between their surfaces."""
+    d = a + b + gap
+    return a * d / (a + b), b * d / (a + b)
+
+
 def slide_and_roll(
     pairs: Nearby, kappa: Mapping[Mode, Array], coupling: Array | None = None
 ) -> list[Factors]:
@@ -79,8 +85,7 @@ def slide_and_roll(
     coupling: C of the power S s^2 - 2 C s y + R y^2 of both, (P,), else c q S beside walls and 0 elsewhere.
     """
     wall, a, b = pairs.is_wall, pairs.a, pairs.b
-    d, a_r = a + b + pairs.gap, pairs.radius
-    arm, arm_other = a * d / (a + b), b * d / (a + b)
+    a_r, (arm, arm_other) = pairs.radius, arms(a, b, pairs.gap)
     g = 0.5 * (1.0 / a - 1.0 / b)
     K = np.where(wall, pairs.curvature, 0.0)
     c = _COUPLING[pairs.n.shape[1]] if len(kappa) == 2 else 0.0
@@ -101,6 +106,19 @@ def slide_and_roll(
             resistance = kappa["rotation"] - lean * coupling
         found.append(Factors(across, turn, turn_other, resistance))
     return found
+
+
+def rate_rows(pairs: Nearby, t: Array, factors: Factors) -> tuple[Array, Array]:
+    """What the velocities and rotations of body i and of side j count in a rate along t, (P, d + r) each.
+
+    Those of walls, which are no unknowns, count zero.
+    """
+    m = np.ones((len(t), 1)) if t.shape[1] == 2 else np.cross(pairs.n, t)
+    along = factors.across[:, None] * t
+    of_i = np.hstack([along, factors.turn[:, None] * m])
+    of_j = np.hstack([-along, factors.turn_other[:, None] * m])
+    of_j[pairs.is_wall] = 0.0
+    return of_i, of_j
 
 
 def _ratio(kappa: Mapping[Mode, Array]) -> Array:

@@ -26,6 +26,7 @@ from fsi.arrays import Array
 from fsi.lubrication import sphere_beside_plane
 from fsi.lubrication.expansions import Mode, basis, expansion
 from fsi.lubrication.profiles import Series, Term
+from fsi.lubrication.sliding import arms
 from fsi.lubrication.two_spheres import pair_matrix
 
 MOST_UNEQUAL = 5.0  # beyond, narrow gaps take many multipoles: minutes, and more than `two_spheres` has
@@ -38,7 +39,7 @@ def resistances(gap: float, ratio: float) -> Array:
     a, b = 1.0 + 1.0 / ratio, 1.0 + ratio
     d = a + b + gap
     mobility = np.linalg.inv(pair_matrix(np.array([[0.0, 0.0, d], [0.0, 0.0, 0.0]]), (a, b), 1.0))
-    arm, arm_other, g = a * d / (a + b), b * d / (a + b), 0.5 * (1.0 / a - 1.0 / b)
+    (arm, arm_other), g = arms(a, b, gap), 0.5 * (1.0 / a - 1.0 / b)
     rates = np.zeros((2, 2, 6))  # along x, turning about y: n = z leads from the second sphere to the first
     rates[0, :, 0], rates[0, :, 4] = (1.0, -1.0), (-arm, -arm_other)
     rates[1, :, 4] = 1.0, -1.0

@@ -24,7 +24,7 @@ from fsi.integration.errors import ErrorEstimate, StepErrors, StressErrors
 from fsi.integration.state import Measured, Results
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.resistance import KNOWN_TO
-from fsi.observables.truncation import ROUNDING, flow_scales, relative_change, rounded_dissipation
+from fsi.observables.scales import ROUNDING, flow_scales, relative_change, rounded_dissipation
 
 STEEPEST = 2.5  # power of a gap with which forces go, where gaps shut fluid in
 LEVER = 16.0  # of 40 discs in a corner of a box, gaps from 1e-8 to 1e-6 radii, 14 at most

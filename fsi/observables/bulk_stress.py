@@ -1,4 +1,4 @@
-"""The stress of a suspension: its parts, the apparent viscosity; vorticity and strain rate of a gradient."""
+"""The stress of a suspension: its parts and the apparent viscosity."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from fsi.integration.errors import StressErrors, components
 
 @dataclass(frozen=True, slots=True)
 class BulkStress:
-    """The mean stress over a periodic domain, of the area, in space the volume |Omega| with the bodies in it.
+    """The mean stress over a periodic domain of the volume |Omega|, in the plane its area, bodies included.
 
         Sigma = fluid + 1/|Omega| sum_i S_i + forces
 
@@ -24,7 +24,7 @@ class BulkStress:
             `G.(x - q_i) + periodic`, with the mean of the periodic part over the fluid zero.
         forces: - 1/|Omega| sum r (x) F, (d, d), what forces between bodies carry, r from the one to the other
             on which F acts (Batchelor 1977, J. Fluid Mech. 83:97).
-        area: |Omega|.
+        volume: |Omega|.
         apparent_viscosity: over that of the fluid, None without a mean strain rate.
         in_gaps: of the stresslets, what laws below a gap leave open, (N, d, d); None without such laws.
         pressure: whether the model has one; else all parts are deviators, symmetric without trace.
@@ -35,7 +35,7 @@ class BulkStress:
     fluid: Array
     stresslets: Array
     forces: Array
-    area: float
+    volume: float
     apparent_viscosity: float | None
     pressure: bool = True
     in_gaps: Array | None = None
@@ -44,7 +44,7 @@ class BulkStress:
     @property
     def mean(self) -> Array:
         """Sigma, (d, d)."""
-        return np.asarray(self.fluid + self.stresslets.sum(axis=0) / self.area + self.forces)
+        return np.asarray(self.fluid + self.stresslets.sum(axis=0) / self.volume + self.forces)
 
     @property
     def normal_stress_difference(self) -> float:
@@ -99,7 +99,7 @@ class BulkStress:
         if S is not None and S.any():
             largest = np.abs(S).max()  # by it: a small square would vanish
             by_stress = np.abs(S / largest).sum() / np.sum((S / largest) ** 2)
-            missed = float(by_stress * np.abs(_deviator(self.mean - other.mean) / largest).max())
+            missed = float(by_stress * np.abs(deviator(self.mean - other.mean) / largest).max())
         return max(factor * max(abs(mu - of_other), chance * missed), rounding * abs(mu))
 
     @property
@@ -107,7 +107,7 @@ class BulkStress:
         """What laws below a gap leave open: they are of loads, and say of stresses what has their power."""
         missed = np.zeros_like(self.stresslets) if self.in_gaps is None else self.in_gaps
         of_bodies = np.abs(missed).max(axis=(1, 2), keepdims=True) * np.ones_like(missed)
-        of_all = float(np.abs(missed.sum(axis=0)).max() / self.area)
+        of_all = float(np.abs(missed.sum(axis=0)).max() / self.volume)
         every = np.full_like(self.fluid, of_all)
         return StressErrors(every, every, of_bodies, dict.fromkeys(self.differences, of_all), self.pressure)
 
@@ -139,7 +139,7 @@ def compared_viscosities(mu: float, others: Sequence[float], filled: float) -> d
     return {"stress": defect, "viscosity_bound": max(0.0, 1.0 / (1.0 - filled) / mu - 1.0)}
 
 
-def _deviator(stress: Array) -> Array:
+def deviator(stress: Array) -> Array:
     """Symmetric, without trace."""
     sym = 0.5 * (stress + stress.T)
     return np.asarray(sym - np.trace(sym) / len(sym) * np.eye(len(sym)))
@@ -148,34 +148,3 @@ def _deviator(stress: Array) -> Array:
 def area_fraction(radii: Array, area: float) -> float:
     """phi of discs."""
     return float(np.pi * np.sum(radii**2) / area)
-
-
-def vorticity(G: Array) -> Array:
-    """curl u, twice the rate of rotation: in space (..., 3), in the plane its component along z, (...).
-
-    In the plane it is `d u_y / dx - d u_x / dy`, positive counterclockwise. In the plane (r, z), drawn with r
-    to the right and z up, it is `d u_z / dr - d u_r / dz`, minus the component of curl u along theta.
-    """
-    turn = G - np.swapaxes(G, -1, -2)
-    if G.shape[-1] == 2:
-        return np.asarray(turn[..., 1, 0])
-    return np.stack([turn[..., 2, 1], turn[..., 0, 2], turn[..., 1, 0]], axis=-1)
-
-
-def strain_rate(G: Array, hoop: Array | float = 0.0) -> Array:
-    """`sqrt(2 e : e)`, (...), e = (G + G^T) / 2: the shear rate in simple shear.
-
-    The fluid dissipates mu times its square per volume, `2 mu e : e`. hoop: u_r / r.
-    """
-    e = 0.5 * (G + np.swapaxes(G, -1, -2))
-    return np.asarray(np.sqrt(2.0 * (np.einsum("...ij,...ij->...", e, e) + np.square(hoop))))
-
-
-# Of the largest r: nodes on the axis stand there to rounding.
-ON_AXIS = 1e-12
-
-
-def hoop_rate(r: Array, u_r: Array, G: Array) -> Array:
-    """`u_r / r`, and on the axis its limit `d u_r / dr`."""
-    off_axis = r > ON_AXIS * np.max(r, initial=0.0)
-    return np.where(off_axis, u_r / np.where(off_axis, r, 1.0), G[..., 0, 0])

@@ -53,10 +53,10 @@ class Resistance:
         eigenvalues: of R made dimensionless, increasing, (n,).
         checks: worst relative defects of all columns; `reciprocity` is the asymmetry of R as computed.
         dofs: unknowns (u, p).
-        cells: the number of `pieces`.
+        pieces: how many the fluid is cut into.
         seconds: CPU seconds of this process by phase.
         mesh_instead: the size that was taken as those of the case gave no valid mesh, "" where they did.
-        pieces: what the fluid is cut into, of which there are so many as `cells` says.
+        kind: what these are called.
     """
 
     modes: Modes
@@ -65,10 +65,10 @@ class Resistance:
     eigenvalues: Array
     checks: dict[str, float]
     dofs: int
-    cells: int
+    pieces: int
     seconds: dict[str, float]
     mesh_instead: str = ""
-    pieces: str = "cells"
+    kind: str = "cells"
 
 
 @dataclass(frozen=True, slots=True)

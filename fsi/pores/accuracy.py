@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
-from fsi.errors import SolveError, apart
 from fsi.integration.errors import ErrorEstimate
 from fsi.observables.bars import DrivenBodies
 from fsi.pores.fineness import Fineness
@@ -42,17 +41,3 @@ def solve_with_errors(case: Case) -> SolvedPores:
         found = driven(bodies, fineness)
         estimated = errors_of(bodies, found)
     return SolvedPores(case, found, estimated.errors)
-
-
-def missed(case: Case, error: float) -> SolveError:
-    """The error of a tolerance that is not reached with the most modes."""
-    tolerance = case.pores.tolerance or 0.0
-    return SolveError(
-        f"pores.tolerance = {tolerance!r}: with the most modes the estimated error is "
-        f'{apart(error, tolerance)}; raise it, or give model = "resolved"'
-    )
-
-
-def with_modes(case: Case, modes: int) -> Case:
-    """The case with so many modes."""
-    return case.model_copy(update={"pores": case.pores.model_copy(update={"modes": modes})})

@@ -32,7 +32,6 @@ def bar_factor(modes: int) -> float:
 def other_modes(system: PoreSystem) -> tuple[Indices, float]:
     """Other modes, (K,), and what makes the difference from a flow with them a bound of the error."""
     modes = system.assembly.numbering.modes
-    others = more(modes)
-    if np.any(others > modes):
-        return others, SAFETY
-    return np.full_like(modes, EDGE_MODES[-2]), 1.0
+    least = int(modes.min(initial=_MOST))
+    others = more(modes) if least < _MOST else np.full_like(modes, reference_modes(least))
+    return others, bar_factor(least)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsi.arrays import Array, Indices
-from fsi.observables.bulk_stress import vorticity
+from fsi.observables.kinematics import vorticity
 from fsi.pores.complement import AiryStress
 from fsi.pores.fields import FlowFields, FluidField, PoreMesh
 

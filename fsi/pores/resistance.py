@@ -17,11 +17,10 @@ import scipy.sparse as sp
 from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
-from fsi.errors import RefusedError
+from fsi.errors import RefusedError, SolveError, apart
 from fsi.observables import resistance as matrix
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.resistance import Resistance, ResistanceErrors
-from fsi.pores.accuracy import missed, with_modes
 from fsi.pores.adapt import finer
 from fsi.pores.bars import bar_factor, reference_modes
 from fsi.pores.fineness import Fineness
@@ -59,7 +58,21 @@ def resistance_with_error(case: Case) -> PoreResistance:
         if case.tolerance is None or errors.largest <= case.tolerance:
             return PoreResistance(chosen, found, errors)
         modes = finer(modes)
-    raise missed(case, errors.largest)
+    raise _missed(case, errors.largest)
+
+
+def _missed(case: Case, error: float) -> SolveError:
+    """The error of a tolerance that is not reached with the most modes."""
+    tolerance = case.pores.tolerance or 0.0
+    return SolveError(
+        f"pores.tolerance = {tolerance!r}: with the most modes the estimated error is "
+        f'{apart(error, tolerance)}; raise it, or give model = "resolved"'
+    )
+
+
+def with_modes(case: Case, modes: int) -> Case:
+    """The case with so many modes."""
+    return case.model_copy(update={"pores": case.pores.model_copy(update={"modes": modes})})
 
 
 def case_resistance(case: Case) -> Resistance:
@@ -85,7 +98,7 @@ def case_resistance(case: Case) -> Resistance:
     checks = {"residual": residual, "reciprocity": asymmetry}
     size = (system.unknowns, len(system.pores))
     mobility = matrix.inverse(R)
-    return Resistance(labels, R, mobility, eigenvalues, checks, *size, seconds, pieces="pores")
+    return Resistance(labels, R, mobility, eigenvalues, checks, *size, seconds, kind="pores")
 
 
 def _schur_complement(system: PoreSystem) -> tuple[Array, float]:

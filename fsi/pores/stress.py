@@ -23,7 +23,13 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.meshes.geometry.channel import gradient_between
 from fsi.observables.bars import DrivenBodies
-from fsi.observables.bulk_stress import VISCOSITY_CHECKS, BulkStress, area_fraction, compared_viscosities
+from fsi.observables.bulk_stress import (
+    VISCOSITY_CHECKS,
+    BulkStress,
+    area_fraction,
+    compared_viscosities,
+    deviator,
+)
 from fsi.pores.carrier import stream
 from fsi.pores.solve import PoreFlow, PoreLoading
 
@@ -58,7 +64,7 @@ def bulk_stress(bodies: DrivenBodies, flow: PoreFlow) -> BulkStress | None:
 def carried_stress(bodies: DrivenBodies) -> Array:
     """What forces between bodies carry of the mean stress, (2, 2)."""
     case = bodies.case
-    return _traceless(-case.interaction_moment(bodies.q, bodies.t) / case.container().volume)
+    return deviator(-case.interaction_moment(bodies.q, bodies.t) / case.container().volume)
 
 
 def viscous_stress(flow: PoreFlow, volume: float) -> Array:
@@ -85,11 +91,6 @@ def _power_of(flow: PoreFlow, G: Array) -> float:
     walls = slice(surfaces.discs, None)
     t[first[walls] + 3] = stream(G, surfaces.centre[walls])
     return float(t @ flow.reactions) + flow.power_of_mean(G)
-
-
-def _traceless(T: Array) -> Array:
-    """The symmetric part of T (2, 2) less its trace."""
-    return np.asarray(0.5 * (T + T.T) - 0.5 * np.trace(T) * np.eye(2))
 
 
 def viscosity_checks(bodies: DrivenBodies, flow: PoreFlow, stress: BulkStress) -> dict[str, float]:

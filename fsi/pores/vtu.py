@@ -18,7 +18,7 @@ from fsi.meshes.cells.lagrange import lattice, tabulate
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bars import DrivenBodies
-from fsi.observables.bulk_stress import strain_rate, vorticity
+from fsi.observables.kinematics import strain_rate, vorticity
 from fsi.pores.carrier import stream
 from fsi.pores.fields import FlowFields, PoreMesh
 from fsi.pores.necks import Necks

@@ -37,23 +37,23 @@ from fsi.reduced.tangential import TangentialRows
 
 @dataclass(frozen=True, slots=True)
 class LubricationStress:
-    """The lubrication stress over a periodic domain of the area, in space the volume |Omega|.
+    """The lubrication stress over a periodic domain of the volume |Omega|, in the plane its area.
 
     Attributes:
         stresslets: S_i, (N, d, d).
-        area: |Omega|.
+        volume: |Omega|.
         viscosity: `Sigma_L:E / (2 mu E:E)`, what lubrication along the lines of centres adds to the viscosity
             over that of the fluid, None without a mean strain rate.
     """
 
     stresslets: Array
-    area: float
+    volume: float
     viscosity: float | None
 
     @property
     def mean(self) -> Array:
         """Sigma_L, (d, d)."""
-        total: Array = self.stresslets.sum(axis=0) / self.area
+        total: Array = self.stresslets.sum(axis=0) / self.volume
         return total
 
     @property
@@ -85,14 +85,14 @@ def bulk_stress(
     enclosure: Enclosure, lubrication: LubricationStress, radii: Array, viscosity: float, forces: Array
 ) -> BulkStress:
     """Sigma of bodies whose pairs resist all their relative motions; forces: sum of r (x) F, (d, d)."""
-    E, area, mu = enclosure.strain_rate, lubrication.area, lubrication.viscosity
+    E, volume, mu = enclosure.strain_rate, lubrication.volume, lubrication.viscosity
     v = _rigid_volumes(radii, len(E))
     alone = 2.0 * viscosity * v[:, None, None] * E
-    carried = 0.0 - forces / area
+    carried = 0.0 - forces / volume
     if mu is not None:
-        mu += 1.0 + float(v.sum()) / area
+        mu += 1.0 + float(v.sum()) / volume
         mu += float(np.sum(carried * E)) / (2.0 * viscosity * float(np.sum(E**2)))
-    return BulkStress(2.0 * viscosity * E, alone + lubrication.stresslets, carried, area, mu)
+    return BulkStress(2.0 * viscosity * E, alone + lubrication.stresslets, carried, volume, mu)
 
 
 def dissipation_of_strain(enclosure: Enclosure, radii: Array, viscosity: float) -> float:

@@ -97,7 +97,7 @@ class SolvedSystem:
 
     def stress_defect(self, stress: LubricationStress) -> float:
         """Of the dissipation by drag and gaps from `|Omega| Sigma_L:E + F.(U - u_inf)`, relative."""
-        power = stress.area * float(np.sum(stress.mean * self.ambient.enclosure.strain_rate))
+        power = stress.volume * float(np.sum(stress.mean * self.ambient.enclosure.strain_rate))
         loads, lost = float(np.sum(self.F * (self.U - self.ambient.background))), self.dissipation
         return relative(power + loads - lost, power, loads, lost, self.power_scale)
 

@@ -15,7 +15,7 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import MODES
 from fsi.bodies.records import joined
 from fsi.lubrication.expansions import Mode
-from fsi.lubrication.sliding import Factors, Nearby, slide_and_roll, tangents
+from fsi.lubrication.sliding import Factors, Nearby, rate_rows, slide_and_roll, tangents
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.gap_laws import GapLaws
 from fsi.reduced.pairs import Pairs
@@ -58,7 +58,7 @@ def tangential_rows(
     sides = Nearby(pairs.n, pairs.gap, pairs.radius, radii[pairs.i], other, pairs.is_wall, pairs.curvature)
     factors = slide_and_roll(sides, kappa)
     parts = [
-        _rows(pairs, len(radii), enclosure, tangent, factor)
+        _rows(pairs, sides, len(radii), enclosure, tangent, factor)
         for tangent in tangents(pairs.n)
         for factor in factors
     ]
@@ -66,26 +66,22 @@ def tangential_rows(
 
 
 def _rows(
-    pairs: Pairs, bodies: int, enclosure: Enclosure, tangent: Array, factors: Factors
+    pairs: Pairs, sides: Nearby, bodies: int, enclosure: Enclosure, tangent: Array, factors: Factors
 ) -> TangentialRows:
     """One row of each pair, along one tangent."""
     P, d = pairs.n.shape
     M = len(MODES[d])
-    m = np.ones((P, 1)) if d == 2 else np.cross(pairs.n, tangent)
-    along = factors.across[:, None] * tangent
-    side = np.hstack([along, factors.turn[:, None] * m])
-    other = np.hstack([-along, factors.turn_other[:, None] * m])
-    other[pairs.is_wall] = 0.0
+    of_i, of_j = rate_rows(sides, tangent, factors)
     j = np.where(pairs.is_wall, pairs.i, pairs.j)
     columns = M * np.stack([pairs.i, j], axis=1)[:, :, None] + np.arange(M)
     row = np.repeat(np.arange(P), 2 * M)
     # A body and its own image share columns, whose entries are summed.
-    entries = np.stack([side, other], axis=1).ravel()
+    entries = np.stack([of_i, of_j], axis=1).ravel()
     G = sp.coo_matrix((entries, (row, columns.ravel())), shape=(P, M * bodies)).tocsr()
     velocity = pairs.shift @ enclosure.gradient.T
     walls = np.flatnonzero(pairs.is_wall)
     velocity[walls] = enclosure.wall_velocity[pairs.j[walls] - bodies]
-    own = np.einsum("pk,pk->p", along, velocity)
+    own = np.einsum("pk,pk->p", of_i[:, :d], velocity)
     return TangentialRows(
         G, own, factors.resistance, ~pairs.is_wall, np.arange(P), tangent, factors.across, factors.turn
     )

@@ -41,7 +41,7 @@ def resistance_json(
         "error": errors.largest,
         "checks": resistance.checks,
         "dofs": resistance.dofs,
-        "cells": resistance.cells,
+        "cells": resistance.pieces,
         "seconds": sum(resistance.seconds.values()),
         "seconds_by_phase": resistance.seconds,
     }
@@ -70,7 +70,7 @@ def print_resistance(
         console.print(Text(f"no mobility: R is singular: {WHY_SINGULAR}"))
     console.print(_checks(resistance, errors.largest, truncation))
     seconds = sum(resistance.seconds.values())
-    size = f"{resistance.cells} {resistance.pieces}, {resistance.dofs} unknowns"
+    size = f"{resistance.pieces} {resistance.kind}, {resistance.dofs} unknowns"
     console.print(Text(f"{size}, {seconds:.2f} CPU s"))
     print_mesh_instead(console, resistance.mesh_instead)
 

@@ -18,7 +18,7 @@ from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StressErrors
 from fsi.integration.state import Measured
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.truncation import SolvedFlow
+from fsi.observables.solved_flow import SolvedFlow
 from fsi.report.case import components
 from fsi.report.console import checks_table, print_mesh_instead, table
 from fsi.report.gaps import gaps_json, print_gaps
@@ -218,7 +218,7 @@ def _stress_table(bulk: BulkStress, errors: ErrorEstimate, bars: StressErrors) -
         "fluid": (bulk.fluid, bars.fluid),
         "stresslets of the bodies": (
             bulk.mean - bulk.fluid - bulk.forces,
-            bars.stresslets.sum(axis=0) / bulk.area,
+            bars.stresslets.sum(axis=0) / bulk.volume,
         ),
     }
     if bulk.forces.any():

@@ -31,7 +31,7 @@ from fsi.meshes.cells.lagrange import gradient, locate, tabulate
 from fsi.meshes.files.write import vtk_order
 from fsi.meshes.geometry.lattice import SAME_PLACE, Lattice
 from fsi.meshes.geometry.matching import on_torus
-from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
+from fsi.observables.kinematics import hoop_rate, strain_rate, vorticity
 from fsi.run_folder.paraview import in_space, write_vtu
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
 from fsi.stokes.discretisation.slip import masses

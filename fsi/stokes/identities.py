@@ -22,7 +22,7 @@ from mpi4py import MPI
 
 from fsi.arrays import Array, Indices
 from fsi.errors import RefusedError, apart
-from fsi.observables.truncation import BOUND
+from fsi.observables.solved_flow import BOUND
 from fsi.stokes.corners import distance, jumps
 from fsi.stokes.solvers.system import (
     NodalSolution,

@@ -21,26 +21,18 @@ whatever the size of kappa. The work of f is
 and by a mean gradient W of velocity, in which the rates are S : W, it adds f S to the stress.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.bodies.configuration import MODES, Configuration, Motion
-from fsi.errors import SolveError
-from fsi.stokes.problem import Field, PairLaws, StokesProblem
-from fsi.stokes.solvers.system import NodalSolution, StokesSystem
+from fsi.bodies.configuration import Motion
+from fsi.stokes.pair_laws import PairLaws
+from fsi.stokes.solvers.system import NodalSolution, Solver, StokesSystem
 
-if TYPE_CHECKING:  # laws take long to load, and most flows have none
-    from fsi.lubrication.below import PairRates
-
-# Of the largest: loads that are combinations of others, and what velocities that are alike may differ by.
+# Of the largest: loads that are combinations of others.
 SAME = 1e-12
-
-type Solver = Callable[..., list[NodalSolution]]
 
 
 def with_laws(solver: Solver) -> Solver:
@@ -78,10 +70,7 @@ def _stiff_loads(laws: PairLaws, free: NDArray[np.bool_]) -> Array:
 def _pulled(system: StokesSystem, load: Array) -> StokesSystem:
     """The system with nothing but a load (N M,) on the free modes."""
     problem, zero = system.problem, np.zeros_like(system.problem.motion.U)
-    motion = Motion(problem.motion.held, zero, load.reshape(zero.shape))
-    inertia = problem.inertia and replace(problem.inertia, U0=np.zeros_like(problem.inertia.U0))
-    laws = problem.laws and problem.laws.at_rest()
-    alone = replace(problem, motion=motion, inertia=inertia, interaction=None, laws=laws)
+    alone = problem.at_rest(Motion(problem.motion.held, zero, load.reshape(zero.shape)))
     return replace(system, g=np.zeros_like(system.g), b=np.zeros_like(system.b), problem=alone)
 
 
@@ -109,54 +98,3 @@ def _combined(flow: NodalSolution, responses: list[NodalSolution], sizes: Array)
     residual = max(each.residual for each in (flow, *responses))
     iterations = max(each.iterations for each in (flow, *responses))
     return replace(flow, x=x, reaction=reaction, load=load, U=U, residual=residual, iterations=iterations)
-
-
-def pair_laws(rates: "PairRates", problem: StokesProblem, q: Configuration) -> PairLaws:
-    """The laws of a problem with these rates, of its walls and mean flow at this instant; bodies are at q."""
-    names, W = problem.container.walls, problem.flow_gradient
-    E = problem.container.mean_gradient
-    own = np.einsum("rk,rk->r", rates.along, rates.place @ E.T)
-    for k in np.unique(rates.wall[rates.wall >= 0]):
-        here = rates.wall == k
-        velocity = problem.boundary.velocities[names[k]]
-        _require_rigid(velocity, rates.place[here], rates.apart[here], names[k])
-        own[here] = np.einsum("rk,rk->r", rates.along[here], velocity(rates.place[here]))
-    carried = np.zeros_like(problem.motion.U)
-    carried[:, : q.dimension] = (problem.q.centres - q.centres) @ W.T
-    a, apart = q.radii[rates.body], np.linalg.norm(rates.apart, axis=1)
-    own -= np.where(rates.meshed, rates.G @ carried.ravel(), 0.0)
-    return PairLaws(
-        rates.G, own, rates.resistance, _strains(rates), rates.along, rates.wall, rates.body, rates.meshed,
-        carried, a / a.sum(axis=1)[:, None], 1.0 - np.where(rates.wall < 0, a.sum(axis=1), a[:, 0]) / apart,
-    )  # fmt: skip
-
-
-def _require_rigid(velocity: Field, place: Array, apart: Array, wall: str) -> None:
-    """Raise SolveError unless the linear velocity of a wall is the same all around points on it, (n, d).
-
-    apart: from there along the normals. A wall that turns or stretches drives fluid into a gap or out of it.
-    """
-    at, size = velocity(place), np.linalg.norm(apart, axis=1)[:, None]
-    for axis in np.eye(place.shape[1]):
-        along = axis - (apart @ axis)[:, None] * apart / size**2
-        if np.abs(velocity(place + size * along) - at).max() > SAME * np.abs(at).max():
-            raise SolveError(
-                f"lubrication.below: no law is known beside wall {wall!r}, whose velocity varies along it; "
-                "drop it, or give the wall one velocity"
-            )
-
-
-def _strains(rates: "PairRates") -> Array:
-    """S of each rate, the symmetric tensor of its values by the gradients e_k (x) e_l, k <= l, (R, d, d)."""
-    R, d = rates.apart.shape
-    M = len(MODES[d])
-    turns = rates.G.reshape(R, rates.G.shape[1] // M, M)[:, :, d:].sum(axis=1)
-    S = np.zeros((R, d, d))
-    for k in range(d):
-        for m in range(k, d):
-            W = np.zeros((d, d))
-            W[k, m] = 1.0
-            spin = 0.5 * (W.T - W)
-            omega = [spin[0, 1]] if d == 2 else [spin[1, 2], spin[2, 0], spin[0, 1]]
-            S[:, k, m] = S[:, m, k] = np.einsum("rk,rk->r", rates.along, rates.apart @ W.T) + turns @ omega
-    return S

@@ -2,10 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration, Inertia, Motion
@@ -14,22 +12,18 @@ from fsi.bodies.resolved_gaps import require_resolved
 from fsi.case.case import Case
 from fsi.integration.errors import StepErrors
 from fsi.integration.state import Instant
-from fsi.meshes.build import FluidMesh, Made, build
-from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.moving.move import Mover
-from fsi.meshes.resolution import Resolution
-from fsi.meshes.spatial.grading import COARSEST
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.container import Container
 from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.stokes.comparisons import Comparison, comparisons
-from fsi.stokes.laws import pair_laws
+from fsi.stokes.meshes import CaseMeshes
+from fsi.stokes.pair_laws import pair_laws
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Clock, solve
-from fsi.stokes.solvers.workspace import Workspace
 from fsi.stokes.units import Units
-from fsi.stokes.walls import boundary_of, singular_corners, singular_pairs, surfaces_of
+from fsi.stokes.walls import boundary_of, surfaces_of
 
 # What laws below a gap miss grows like its root or faster: 1 - 2^(-1/2) of it is seen at half the gap.
 OF_LAWS = 3.5
@@ -38,48 +32,46 @@ WAYS_OUT = 3.0
 
 
 class StokesModel:
-    """Meshes the fluid around the bodies and solves, for any configuration; collective over all ranks."""
+    """Meshes the fluid around the bodies and solves, for any configuration; collective over all ranks.
+
+    Attributes:
+        meshes: those of the case.
+        options: how its flows are solved.
+    """
 
     def __init__(self, case: Case) -> None:
         """A model of the case; nothing is meshed yet."""
-        self.case = case
+        self.case, self.meshes = case, CaseMeshes(case)
         sizes = case.discretisation
-        along = (sizes.cells_per_gap, sizes.cells_per_circle, sizes.growth, sizes.interior)
-        self.resolution = Resolution(*along)
         self.options = SolverOptions(sizes.degree, sizes.formulation, sizes.solver)
-        self._moving = case.time is not None and case.time.remesh == "when-needed"
-        self._mover: Mover | None = None
-        self._meshed, self._meshed_time = case.configuration(), 0.0
-        self._made: tuple[object, Made] = None, {}  # where straight cells were made, and these
-        self._workspace = Workspace()
-        self.units = Units.of(case)
-        self._corners, self._edges = np.empty((0, 2)), singular_pairs(case)
-        if case.dimension == 2:
-            self._corners, self._edges = self.units.scaled_places(singular_corners(case)), ()
+
+    @property
+    def units(self) -> Units:
+        """In which flows are solved."""
+        return self.meshes.units
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
         """The flow at q and t. Raises MeshError; SolveError: a gap too narrow, or the solve is refused."""
         if self.case.domain.mesh is None:
             require_resolved(q, t, self._around(q, t), self.case.names)
-        clock, self._made = Clock(), (None, {})  # only what follows takes the same straight cells
-        fluid = self._moved(q, t) if self._moving else self.scaled_mesh(q, t)
+        clock, fluid = Clock(), self.meshes.mesh_in_use(q, t)
         clock.lap("mesh")
         motion, inertia = self.case.motion_at(q, t).under(inertia)
         problem = replace(self.problem(fluid, q, t, motion), inertia=inertia)
-        workspace = self._workspace if self._moving else None
+        workspace = self.meshes.workspace if self.meshes.moving else None
         with explained(problem, self.case.names, self.units.origin):
             found = solve(self.units.scaled(problem), self.options, clock, workspace)
         return self.units.user_solution(found, problem)
 
     def compared(self, comparison: Comparison, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """A flow from which that of the case differs by a part of its error."""
-        clock, fluid = Clock(), self.compared_mesh(comparison, q, t)
+        clock, fluid = Clock(), self.meshes.compared_mesh(comparison, q, t)
         return self._solved(self.problem(fluid, q, t, motion), comparison.degree, clock)
 
     def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow with elements and curved cells of another degree, on a new mesh of the same simplices."""
         clock = Clock()
-        return self._solved(self.problem(self.scaled_mesh(q, t, degree), q, t, motion), degree, clock)
+        return self._solved(self.problem(self.meshes.scaled_mesh(q, t, degree), q, t, motion), degree, clock)
 
     def _factor_of_laws(self, below: float, q: Configuration, t: float) -> float:
         """By which the error of laws below a gap c is larger than what half the gap changes.
@@ -141,92 +133,18 @@ class StokesModel:
         from fsi.lubrication.below import OpenedGaps
 
         gaps = OpenedGaps(q, meshed, container, below, tuple(boundary.velocities), case.spheres, mu)
-        laws = replace(pair_laws(gaps.rates(), problem, q), shut_in=self._way_out(below, q, t) < below)
+        laws = pair_laws(gaps, boundary.velocities, problem.flow_gradient)
+        laws = replace(laws, shut_in=self._way_out(below, q, t) < below)
         return replace(problem, laws=laws)
-
-    def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
-        """A new mesh around the bodies at q and t, or the user's own."""
-        return self.units.user_mesh(self.scaled_mesh(q, t), self._around(q, t))
-
-    def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
-        """The same mesh in the units of the model; of the case's order if not given."""
-        case, order = self.case, order or self.case.discretisation.degree
-        if case.domain.mesh is None:
-            return self._built(q, t, self.resolution, order)
-        from fsi.meshes.files.read import read_mesh
-
-        domain = FluidDomain(self._around(q, t), q.centres, q.radii)
-        fluid = read_mesh(Path(case.domain.mesh), case.names, domain, order)
-        return fluid.scaled(1.0 / self.units.length, self._container().at(t, q.strain))
-
-    def compared_mesh(self, comparison: Comparison, q: Configuration, t: float = 0.0) -> FluidMesh:
-        """The mesh for `compared`; one of the model's own where it is to be another one."""
-        if comparison.finer == 1.0:
-            return self.scaled_mesh(q, t, comparison.degree)
-        coarsest = COARSEST if q.dimension == 3 else self.resolution.growth
-        growth = min(self.resolution.growth, coarsest) / comparison.finer
-        return self._built(q, t, replace(self.resolution, growth=growth), comparison.degree)
-
-    def _built(self, q: Configuration, t: float, resolution: Resolution, order: int) -> FluidMesh:
-        """A mesh in the units of the model, whatever the user has.
-
-        Flows of another degree at the same instant have cells that are curved from the same straight ones.
-        """
-        where = t, q.strain, *(x.tobytes() for x in (q.centres, q.radii, q.angles))
-        if where != self._made[0]:
-            self._made = where, {}
-        here = self.units.scaled_configuration(self.case.meshed_at(q, t))
-        container = self._container().at(t, q.strain)
-        try:
-            domain = FluidDomain(
-                container, here.centres, here.radii, self._corners, self._edges, here.placed, here.standing
-            )
-            return build(domain, resolution, order, self._made[1])
-        except MeshError as error:
-            raise error.in_units(self.units.length, self.units.origin) from error
 
     def _around(self, q: Configuration, t: float) -> Container:
         """What encloses the fluid around the bodies at q and t, in the units of the case."""
         return self.case.container().at(t, q.strain)
 
-    def _container(self) -> Container:
-        """At time 0, in the units of the model."""
-        return self.units.scaled_container(self.case.container())
-
     def state(self) -> dict[str, NDArray[Any]]:
-        """Where the bodies were when the mesh in use was made: moved meshes start from it."""
-        if self._mover is None:
-            return {}
-        meshed = {"meshed_centres": self._meshed.centres, "meshed_time": np.array(self._meshed_time)}
-        meshed["meshed_strain"] = np.array(self._meshed.strain)
-        return meshed | ({"meshed_angles": self._meshed.angles} if self._meshed.shaped else {})
+        """What the meshes keep."""
+        return self.meshes.state()
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Mesh again where the mesh in use was made."""
-        if self._moving and "meshed_centres" in state:
-            q = self.case.configuration()
-            angles = state["meshed_angles"] if q.shaped else q.angles
-            strain = float(state["meshed_strain"])
-            q = replace(q, centres=state["meshed_centres"], angles=angles, strain=strain)
-            self._remesh(q, float(state["meshed_time"]))
-
-    def _moved(self, q: Configuration, t: float) -> FluidMesh:
-        """The mesh in use, moved to q and t, or a new one where it would be too distorted."""
-        if self._mover is not None:
-            container, duration = self._container(), t - self._meshed_time
-            strain = q.strain - self._meshed.strain
-            places = self.units.scaled_places(self.case.meshed_at(q, t).centres)
-            angles = q.angles if q.shaped else None
-            quality = self._mover.move(places, lambda e: container.carried(e, duration, strain), angles)
-            if quality is not None:
-                return self._mover.fluid.moved(quality, container.at(t, q.strain))
-        return self._remesh(q, t)
-
-    def _remesh(self, q: Configuration, t: float) -> FluidMesh:
-        self._workspace.close()
-        if self._mover is not None:
-            self._mover.close()
-        here = self.units.scaled_configuration(self.case.meshed_at(q, t))
-        self._mover = Mover(self.scaled_mesh(q, t), here.centres, here.placed, here.standing)
-        self._meshed, self._meshed_time = q, t
-        return self._mover.fluid
+        """Take back what `state` gave."""
+        self.meshes.restore(state)

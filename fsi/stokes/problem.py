@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-import scipy  # its modules load when they are used
-from numpy.typing import NDArray
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, Inertia, Motion
@@ -16,9 +14,7 @@ from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.channel import gradient_between, wall_heights
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import unit_shear
-
-# Of a resistance, in the units of the model: more of it stands beside the matrix (see `fsi.stokes.laws`).
-STIFF = 1e5
+from fsi.stokes.pair_laws import PairLaws
 
 type Field = Callable[[Array], Array]
 type Formulation = Literal["eliminated", "multiplier"]
@@ -84,95 +80,6 @@ class SurfaceConditions:
 
 
 @dataclass(frozen=True, slots=True)
-class PairLaws:
-    """Rates of relative motion, G U - b, that laws resist on top of what is resolved (see `fsi.stokes.laws`).
-
-    Attributes:
-        G: over the modes of all bodies, (R, N M).
-        own: b, what walls and images move by themselves, (R,).
-        resistance: kappa, force over rate, (R,).
-        strains: S, the rates by a mean gradient W are S : W, (R, d, d).
-        along: what a rate has of the other side's velocity, (R, d).
-        wall: the number of the wall, -1 of two bodies, (R,).
-        body: i and j, twice i beside a wall, (R, 2).
-        meshed: whether a rate is that of the bodies where they are meshed, (R,).
-        carried: how much faster than U the mean flow makes bodies move there, (N, M).
-        share: of a stresslet on either body, as their radii are to their sum, (R, 2).
-        gap: the part that the gap has in the distance of the centres, beside a wall from it, (R,).
-        shut_in: whether gaps where laws act shut fluid in, whose pressure no law knows.
-    """
-
-    G: Array
-    own: Array
-    resistance: Array
-    strains: Array
-    along: Array
-    wall: NDArray[np.intp]
-    body: NDArray[np.intp]
-    meshed: NDArray[np.bool_]
-    carried: Array
-    share: Array
-    gap: Array
-    shut_in: bool = False
-
-    def at_rest(self) -> PairLaws:
-        """The same between walls and images at rest, without a mean flow."""
-        return replace(self, own=np.zeros_like(self.own), carried=np.zeros_like(self.carried))
-
-    @property
-    def in_matrix(self) -> Array:
-        """What of kappa stands in the matrix of the flow, not beyond STIFF, (R,)."""
-        return np.clip(self.resistance, -STIFF, STIFF)
-
-    @property
-    def K(self) -> scipy.sparse.csr_array:
-        """G^T kappa G with that, (N M, N M)."""
-        G = scipy.sparse.csr_array(self.G)
-        return scipy.sparse.csr_array(G.T @ (G * self.in_matrix[:, None]))
-
-    def rates(self, U: Array) -> Array:
-        """G U - b of velocities (N, M), (R,)."""
-        return np.asarray(self.G @ U.ravel() - self.own)
-
-    def loads(self, forces: Array, shape: tuple[int, ...]) -> Array:
-        """G^T f, what the forces add to the loads of the bodies, (N, M)."""
-        return np.asarray((self.G.T @ forces).reshape(shape))
-
-    def dissipation(self, forces: Array, U: Array) -> float:
-        """f.(G U - b)."""
-        return float(forces @ self.rates(U))
-
-    def stresslets(self, forces: Array, bodies: int) -> Array:
-        """f S on the bodies, (N, d, d)."""
-        S = np.zeros((bodies, *self.strains.shape[1:]))
-        for body, share in zip(self.body.T, self.share.T, strict=True):
-            np.add.at(S, body, (share * forces)[:, None, None] * self.strains)
-        return S
-
-    def in_gaps(self, forces: Array, bodies: int) -> Array:
-        """What of that is on the way from surface to surface, (N, d, d): laws of loads do not tell it."""
-        return self.stresslets(self.gap * forces, bodies)
-
-    def wall_force(self, forces: Array, wall: int) -> Array:
-        """What moves a wall against these forces, along it, (d - 1,)."""
-        here = self.wall == wall
-        return np.asarray(-forces[here] @ self.along[here, :-1])
-
-    def carrying_power(self, forces: Array, load: Array) -> float:
-        """What it takes to carry bodies with these loads of the flow, (N, M), past where they are."""
-        on_meshed = self.loads(np.where(self.meshed, forces, 0.0), load.shape)
-        return float(np.sum((load + on_meshed) * self.carried))
-
-    def defect(self, forces: Array, U: Array) -> float:
-        """By how much rates differ from f / kappa, over the largest parts of a rate."""
-        if not len(forces):
-            return 0.0
-        parts = np.abs(self.G) @ np.abs(U.ravel()) + np.abs(self.own)
-        defect = np.abs(self.rates(U) - forces / self.resistance).max()
-        return float(defect / max(float(parts.max()), float(np.finfo(float).tiny)))
-
-
-@dataclass(frozen=True, slots=True)
 class StokesProblem:
     """Stokes flow around rigid bodies at one instant.
 
@@ -199,6 +106,12 @@ class StokesProblem:
     interaction: Array | None = None
     surfaces: SurfaceConditions = field(default_factory=SurfaceConditions)
     laws: PairLaws | None = None
+
+    def at_rest(self, motion: Motion) -> StokesProblem:
+        """The same with this motion and nothing else that moves bodies, for a flow to be added to others."""
+        inertia = self.inertia and replace(self.inertia, U0=np.zeros_like(self.inertia.U0))
+        laws = self.laws and self.laws.at_rest()
+        return replace(self, motion=motion, inertia=inertia, interaction=None, laws=laws)
 
     @property
     def periodic(self) -> bool:

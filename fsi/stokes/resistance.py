@@ -26,12 +26,13 @@ from fsi.observables.resistance import Modes, Resistance, ResistanceErrors
 from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.comparisons import comparisons
 from fsi.stokes.identities import identities, require
-from fsi.stokes.model import StokesModel
+from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solve import DEFAULT, Clock, assembled
 from fsi.stokes.solvers.elimination import factorised
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem
+from fsi.stokes.units import Units
 from fsi.stokes.walls import surfaces_of
 
 AXIAL_MODE = 1
@@ -58,10 +59,10 @@ def resistance_with_error(case: Case) -> SolvedResistance:
 def _solved(case: Case) -> SolvedResistance:
     """R of other elements or meshes differs by its error, as forces do (see `comparisons`)."""
     still, others = _between_resting_walls(case), list[tuple[float, Resistance]]()
-    computed, model = case_resistance(case), StokesModel(still)
+    computed, meshes = case_resistance(case), CaseMeshes(still)
     for comparison in comparisons(still):
-        mesh = partial(model.compared_mesh, comparison)
-        others.append((comparison.factor, _resistance(case, model, mesh, comparison.degree)))
+        mesh = partial(meshes.compared_mesh, comparison)
+        others.append((comparison.factor, _resistance(case, meshes.units, mesh, comparison.degree)))
     errors = matrix.estimated_errors(computed, others)
     return SolvedResistance(case, errors.largest, computed.dofs, computed, errors)
 
@@ -72,8 +73,8 @@ def case_resistance(case: Case) -> Resistance:
     Along a periodic channel the mean pressure gradient is zero. Raises InputError: the domain has no walls,
     or a given net flux. MeshError, SolveError: as `StokesModel`.
     """
-    model = StokesModel(_between_resting_walls(case))
-    return _resistance(case, model, model.scaled_mesh, case.discretisation.degree)
+    meshes = CaseMeshes(_between_resting_walls(case))
+    return _resistance(case, meshes.units, meshes.scaled_mesh, case.discretisation.degree)
 
 
 def _between_resting_walls(case: Case) -> Case:
@@ -83,8 +84,8 @@ def _between_resting_walls(case: Case) -> Case:
     return case.model_copy(update={"domain": case.domain.model_copy(update={"walls": walls})})
 
 
-def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Resistance:
-    """With elements of this degree on a mesh in the units of the model."""
+def _resistance(case: Case, units: Units, mesh: Mesher, degree: int) -> Resistance:
+    """With elements of this degree on a mesh in these units."""
     container, q, clock = case.container(), case.configuration(), Clock()
     require_still(case)
     if case.lubrication.below is not None:
@@ -99,8 +100,8 @@ def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Re
     problem = replace(problem, boundary=boundary, surfaces=surfaces_of(case).still)
     options = SolverOptions(degree, solver=case.discretisation.solver)
     with explained(problem, case.names):
-        found = solve_resistance(model.units.scaled(problem), case.names, options, clock)
-    return model.units.user_resistance(found, _modes_of(problem, case.names))
+        found = solve_resistance(units.scaled(problem), case.names, options, clock)
+    return units.user_resistance(found, _modes_of(problem, case.names))
 
 
 def held_at_rest(

@@ -12,7 +12,7 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import MODES
 from fsi.observables.bulk_stress import VISCOSITY_CHECKS
 from fsi.observables.quantities import stress_driven
-from fsi.observables.truncation import SolvedFlow
+from fsi.observables.solved_flow import SolvedFlow
 from fsi.stokes import fields
 from fsi.stokes.fields import Flow, Surface, traction, values_at
 from fsi.stokes.problem import StokesProblem
@@ -26,20 +26,20 @@ class StokesSolution(SolvedFlow):
         problem: what was solved; its mesh may have been moved on since.
         flow: velocity and pressure, of this rank.
         surface: the bodies' surfaces, on root.
-        pressure_gradient: the mean one of a periodic flow, (d,).
+        mean_pressure_gradient: G of a periodic flow, (d,).
     """
 
     problem: StokesProblem = field(repr=False)
     flow: Flow = field(repr=False)
     surface: Surface = field(repr=False)
-    pressure_gradient: Array | None = None
+    mean_pressure_gradient: Array | None = None
 
     @property
     def dp_dx(self) -> float | None:
         """The mean pressure gradient along a channel whose net flux is given, else None."""
-        if self.pressure_gradient is None or self.problem.boundary.pressure_gradient is not None:
+        if self.mean_pressure_gradient is None or self.problem.boundary.pressure_gradient is not None:
             return None
-        return float(self.pressure_gradient[0])
+        return float(self.mean_pressure_gradient[0])
 
     @property
     def mesh_instead(self) -> str:
@@ -54,13 +54,13 @@ class StokesSolution(SolvedFlow):
             u(x + e) = u(x) + E e,    p(x + e) = p(x) + G.e
         """
         values = values_at(self.flow, x)
-        if self.pressure_gradient is not None:
+        if self.mean_pressure_gradient is not None:
             # The domain was opened along a cut that winds around bodies: the image that is nearest to its
             # middle may lie across the cut, but then one of its neighbours does not.
             lattice = self.problem.fluid.lattice
             low, high = (np.array(parallel.gather(f(self.flow.x, axis=0))) for f in (np.min, np.max))
             nearest = lattice.nearest(x - 0.5 * (low.min(axis=0) + high.max(axis=0)))
-            jump = np.vstack([self.problem.mean_gradient, self.pressure_gradient])
+            jump = np.vstack([self.problem.mean_gradient, self.mean_pressure_gradient])
             for m in lattice.near():
                 outside = np.isnan(values[:, 0])
                 e = lattice.shift(nearest[outside] + m)

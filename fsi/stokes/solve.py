@@ -14,7 +14,7 @@ import fsi.parallel as parallel
 from fsi.arrays import Array
 from fsi.errors import RefusedError
 from fsi.meshes.build import FluidMesh
-from fsi.observables.truncation import BOUND
+from fsi.observables.solved_flow import BOUND
 from fsi.stokes import fields
 from fsi.stokes.closed import closed
 from fsi.stokes.corners import jumps
@@ -32,10 +32,11 @@ from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.gmres import SHARPER, TOLERANCE
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.mumps import REFINE_ABOVE, REFINE_AT_FIRST_ABOVE
-from fsi.stokes.solvers.periodic import Solver, solve_periodic
+from fsi.stokes.solvers.periodic import solve_periodic
 from fsi.stokes.solvers.schur import pressure_mass
 from fsi.stokes.solvers.system import (
     NodalSolution,
+    Solver,
     StokesSystem,
     friction_power,
     law_dissipation,
@@ -140,20 +141,9 @@ def assembled(
         rigid = rigid_modes(layout, nodes, problem.q, fluid.lattice)
         facets = sliding_facets(problem, forms, cells.shared, nodes, g) if problem.sliding else None
         system = StokesSystem(
-            problem,
-            forms,
-            nodes,
-            layout,
-            cells,
-            rigid,
-            b,
-            g,
-            weights,
-            mass,
-            workspace,
-            facets,
-            _tolerance(problem),
-        )
+            problem=problem, forms=forms, nodes=nodes, layout=layout, cells=cells, rigid=rigid, b=b, g=g,
+            weights=weights, mass=mass, workspace=workspace, facets=facets, tolerance=_tolerance(problem),
+        )  # fmt: skip
         clock.lap("assemble")
         try:
             with parallel.together():
@@ -265,9 +255,11 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     traction_F = load_of(system, integral) + more
     clock.lap("checks")
     return StokesSolution(
-        nodal.U, nodal.load + more, traction_F, inf if jumping else dissipation + of_laws, checks,
-        forms.dofs, problem.fluid.cells(), nodal.iterations, clock.seconds, bulk, jumping, problem,
-        flow, surface, nodal.pressure_gradient,
+        U=nodal.U, F=nodal.load + more, traction_F=traction_F,
+        dissipation=inf if jumping else dissipation + of_laws, checks=checks,
+        dofs=forms.dofs, cells=problem.fluid.cells(), iterations=nodal.iterations, seconds=clock.seconds,
+        bulk=bulk, jumps=jumping, problem=problem, flow=flow, surface=surface,
+        mean_pressure_gradient=nodal.pressure_gradient,
         flux=nodal.flux, wall_speeds=nodal.wall_speeds, shear_rate=nodal.shear_rate,
         law_dissipation=None if problem.laws is None else of_laws,
         slip_dissipation=friction_power(system, nodal) if problem.sliding else None,

@@ -109,9 +109,9 @@ def viscosity_checks(problem: StokesProblem, bulk: BulkStress, dissipation: floa
     E, viscosity = problem.mean_strain_rate, problem.viscosity
     scale = 2.0 * viscosity * float(np.sum(E**2))
     by_bulk = float(np.sum(bulk.mean * E)) / scale
-    imposed = (2.0 * viscosity * E + bulk.stresslets.sum(axis=0) / bulk.area) * E
-    by_dissipation, mu = dissipation / (scale * bulk.area), bulk.apparent_viscosity
+    imposed = (2.0 * viscosity * E + bulk.stresslets.sum(axis=0) / bulk.volume) * E
+    by_dissipation, mu = dissipation / (scale * bulk.volume), bulk.apparent_viscosity
     if problem.sliding:
         return {"stress": max(abs(by_bulk / mu - 1.0), abs(by_dissipation / mu - 1.0))}
     others = [by_bulk, float(imposed.sum()) / scale, by_dissipation]
-    return compared_viscosities(mu, others, float(problem.q.volumes.sum()) / bulk.area)
+    return compared_viscosities(mu, others, float(problem.q.volumes.sum()) / bulk.volume)

@@ -38,7 +38,8 @@ from fsi.meshes.geometry.curves import rescaled
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.resistance import Modes, Resistance
 from fsi.stokes.fields import Flow, Surface
-from fsi.stokes.problem import Boundary, Field, PairLaws, StokesProblem, SurfaceConditions
+from fsi.stokes.pair_laws import PairLaws
+from fsi.stokes.problem import Boundary, Field, StokesProblem, SurfaceConditions
 from fsi.stokes.solution import StokesSolution
 
 NARROW = 5e-5  # of a radius
@@ -123,16 +124,16 @@ class Units:
         speeds, loads = self.velocities(d), self.loads(d)
         interaction, inertia = problem.interaction, problem.inertia
         return StokesProblem(
-            problem.fluid,
-            problem.fluid.container,
-            self.scaled_configuration(q),
-            Motion(motion.held, motion.U / speeds, motion.F / loads),
-            self._scaled_boundary(boundary),
-            1.0,
-            None if inertia is None else Inertia(inertia.D * (speeds / loads), inertia.U0 / speeds),
-            None if interaction is None else interaction / self.power,
-            self._scaled_surfaces(problem.surfaces),
-            None if problem.laws is None else self._scaled_laws(problem.laws, q),
+            fluid=problem.fluid,
+            container=problem.fluid.container,
+            q=self.scaled_configuration(q),
+            motion=Motion(motion.held, motion.U / speeds, motion.F / loads),
+            boundary=self._scaled_boundary(boundary),
+            viscosity=1.0,
+            inertia=None if inertia is None else Inertia(inertia.D * (speeds / loads), inertia.U0 / speeds),
+            interaction=None if interaction is None else interaction / self.power,
+            surfaces=self._scaled_surfaces(problem.surfaces),
+            laws=None if problem.laws is None else self._scaled_laws(problem.laws, q),
         )
 
     def _scaled_laws(self, laws: PairLaws, q: Configuration) -> PairLaws:
@@ -148,15 +149,15 @@ class Units:
         a, mu = self.length, self.viscosity
         f, G, flux = boundary.body_force, boundary.pressure_gradient, boundary.net_flux
         return Boundary(
-            {wall: self._scaled_field(u, a) for wall, u in boundary.velocities.items()},
-            {wall: p / mu for wall, p in boundary.pressures.items()},
-            None if f is None else self._scaled_field(f, mu / a),
-            None if G is None else G / (mu / a),
-            None if flux is None else flux / self.flux,
-            None if boundary.mean_stress is None else boundary.mean_stress / mu,
-            {wall: stress / mu for wall, stress in boundary.stresses.items()},
-            {wall: b / a for wall, b in boundary.slip_lengths.items()},
-            boundary.shear_rate,
+            velocities={wall: self._scaled_field(u, a) for wall, u in boundary.velocities.items()},
+            pressures={wall: p / mu for wall, p in boundary.pressures.items()},
+            body_force=None if f is None else self._scaled_field(f, mu / a),
+            pressure_gradient=None if G is None else G / (mu / a),
+            net_flux=None if flux is None else flux / self.flux,
+            mean_stress=None if boundary.mean_stress is None else boundary.mean_stress / mu,
+            stresses={wall: stress / mu for wall, stress in boundary.stresses.items()},
+            slip_lengths={wall: b / a for wall, b in boundary.slip_lengths.items()},
+            shear_rate=boundary.shear_rate,
         )
 
     def _scaled_surfaces(self, surfaces: SurfaceConditions) -> SurfaceConditions:
@@ -180,7 +181,7 @@ class Units:
 
     def user_solution(self, solution: StokesSolution, problem: StokesProblem) -> StokesSolution:
         """The solution of a problem from that of the scaled one; its mesh stays as it is."""
-        d, gradient, flux = problem.q.dimension, solution.pressure_gradient, solution.flux
+        d, gradient, flux = problem.q.dimension, solution.mean_pressure_gradient, solution.flux
         loads, fluid = self.loads(d), replace(problem.fluid, container=problem.container)
         speeds = {wall: speed * self.length for wall, speed in solution.wall_speeds.items()}
         boundary = problem.boundary.faster(speeds, solution.shear_rate or 0.0)
@@ -198,7 +199,7 @@ class Units:
             wall_speeds=speeds,
             flow=self._user_flow(solution.flow),
             surface=self._user_surface(solution.surface, fluid),
-            pressure_gradient=None if gradient is None else gradient * (self.viscosity / self.length),
+            mean_pressure_gradient=None if gradient is None else gradient * (self.viscosity / self.length),
             flux=None if flux is None else flux * self.flux,
         )
 
@@ -209,7 +210,7 @@ class Units:
             fluid=bulk.fluid * mu,
             stresslets=bulk.stresslets * self.power,
             forces=bulk.forces * mu,
-            area=container.volume,
+            volume=container.volume,
             in_gaps=None if bulk.in_gaps is None else bulk.in_gaps * self.power,
             newtonian=None if bulk.newtonian is None else bulk.newtonian * mu,
         )

@@ -24,7 +24,7 @@ from fsi.files import data_of, write_whole
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice, positive
-from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
+from fsi.observables.kinematics import hoop_rate, strain_rate, vorticity
 from fsi.postprocess.run.grids import nodes
 from fsi.postprocess.run.run import Run
 
@@ -41,7 +41,7 @@ def probe(run: Run, points: ArrayLike, step: int | None = None) -> pd.DataFrame:
 
     Columns x, y (with an axis r, z; in space x, y, z), `where` ("fluid", the name of the body that holds the
     point, or "outside"), u_x, u_y ..., p (where there is one), vorticity (in space vorticity_x ...),
-    strain_rate; NaN where there is no fluid. For their signs see `fsi.observables.bulk_stress`. A point up to
+    strain_rate; NaN where there is no fluid. For their signs see `fsi.observables.kinematics`. A point up to
     1e-4 of a cell beyond the fluid's boundary counts as on it. Periodic flows have values at all images, as
     `fsi.Solution.evaluate`.
 

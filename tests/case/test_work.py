@@ -12,7 +12,7 @@ from fsi.errors import InputError
 from fsi.meshes.estimate import cells_of
 from fsi.observables.truncation import halved
 from fsi.runs import run
-from fsi.stokes.model import StokesModel
+from fsi.stokes.meshes import CaseMeshes
 from tests.cli.test_commands import complaint
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -36,10 +36,10 @@ CASES = Path(__file__).parents[2] / "cases"
 def test_cells_are_estimated_to_a_factor_three(case_file: str, changes: list[str]) -> None:
     """Of one half at 0.4 to 1.5; a law of sizes that is another one makes 10 and more of it."""
     case = load_case(CASES / case_file, changes)
-    model, q = StokesModel(case), case.configuration()
+    meshes, q = CaseMeshes(case), case.configuration()
     gaps = find_gaps(q, case.container())
-    estimate = cells_of(case.container(), q.radii, work.narrows(case, gaps), model.resolution)
-    assert 1.0 / 3.0 < estimate / model.mesh(q).cells() < 3.0
+    estimate = cells_of(case.container(), q.radii, work.narrows(case, gaps), meshes.resolution)
+    assert 1.0 / 3.0 < estimate / meshes.mesh(q).cells() < 3.0
 
 
 TOO_MUCH = [

@@ -24,7 +24,8 @@ SOLVER = {"mpi4py", "dolfinx_solver", "dolfinx", "gmsh", "petsc4py", "ufl"}
 PARTS = {"numba", "scipy.spatial", "scipy.special", "scipy.sparse", "pycparser", "dolfinx_solver"}
 OTHER = {
     "numba", "scipy", "importlib.metadata", "numpy.random", "fsi.arrangements.kinds", "fsi.cli.render",
-    "fsi.integration.schemes", "fsi.observables.truncation", "fsi.meshes.spatial.sizing",
+    "fsi.integration.schemes", "fsi.observables.scales", "fsi.observables.truncation",
+    "fsi.meshes.spatial.sizing",
 }  # fmt: skip
 # Of what the case of one disc has none: other shapes of bodies and of walls, laws of gaps, a motion in time.
 NONE_OF_ONE_DISC = {

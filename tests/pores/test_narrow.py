@@ -14,9 +14,9 @@ from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.pores import narrow
-from fsi.pores.accuracy import with_modes
 from fsi.pores.instant import PoreInstant
 from fsi.pores.model import PoreModel
+from fsi.pores.resistance import with_modes
 from fsi.stokes.model import StokesModel
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -62,9 +62,9 @@ def test_what_the_stress_works_is_what_is_dissipated(name: str) -> None:
     E = np.diag([-0.5, 0.5])
     if name in GRADIENT:
         E = 0.5 * GRADIENT[name] * np.array([[0.0, 1.0], [1.0, 0.0]])
-    background = 2.0 * np.sum(E**2) * found.stress.area
+    background = 2.0 * np.sum(E**2) * found.stress.volume
     lost = found.record["dissipation"]
-    assert np.sum(found.stress.mean * E) * found.stress.area == pytest.approx(lost, rel=1e-12)
+    assert np.sum(found.stress.mean * E) * found.stress.volume == pytest.approx(lost, rel=1e-12)
     assert found.record["lubrication_viscosity"] == pytest.approx(lost / background, rel=1e-12)
     assert lost > 0.1 * background
 

@@ -40,10 +40,10 @@ def test_what_the_stress_works_is_what_is_dissipated(name: str) -> None:
     E = np.diag([-0.5, 0.5])
     if name != "stretched":
         E = 0.5 * (0.8 if name == "sheared" else 4.0 / 4.5) * np.array([[0.0, 1.0], [1.0, 0.0]])
-    unit = 2.0 * np.sum(E**2) * found.bulk.area
+    unit = 2.0 * np.sum(E**2) * found.bulk.volume
     assert found.apparent_viscosity == pytest.approx(found.dissipation / unit, rel=1e-12)
-    assert np.sum(found.bulk.mean * E) * found.bulk.area == pytest.approx(found.dissipation, rel=1e-12)
-    phi = np.pi * np.sum(np.square(RADII)) / found.bulk.area
+    assert np.sum(found.bulk.mean * E) * found.bulk.volume == pytest.approx(found.dissipation, rel=1e-12)
+    phi = np.pi * np.sum(np.square(RADII)) / found.bulk.volume
     assert found.apparent_viscosity > 1.0 + 2.0 * phi + 0.5
     for check in ("power", "stress", "kernel", "momentum", "balance", "residual"):
         assert found.record[check] < 1e-12, check
@@ -55,7 +55,7 @@ def test_loaded_bodies_satisfy_the_identity_of_the_stress_too() -> None:
     found = instant(periodic("channel", body={"force": [1.0, -2.0], "torque": 0.7}))
     assert found.bulk is not None
     assert found.record["stress"] < 1e-12
-    unit = (4.0 / 4.5) ** 2 * found.bulk.area
+    unit = (4.0 / 4.5) ** 2 * found.bulk.volume
     assert abs(found.dissipation / unit / found.apparent_viscosity - 1.0) > 1e-3  # type: ignore[operator]
 
 

@@ -15,7 +15,8 @@ from fsi.bodies.gaps import foot_between
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.integration.errors import ErrorEstimate
-from fsi.observables.truncation import SolvedFlow, halved, truncation
+from fsi.observables.solved_flow import SolvedFlow
+from fsi.observables.truncation import halved, truncation
 from fsi.report.case import print_case
 from fsi.report.console import standard_output
 from fsi.report.gaps import gaps_json

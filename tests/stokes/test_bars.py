@@ -290,7 +290,7 @@ def test_bars_of_resistances_of_several_bodies_hold(kind: str) -> None:
     case = random_case(kind, SEED)
     assert len(case.bodies) > 1
     solved, finer = resistance_with_error(case), Reference(case)
-    exact = _resistance(case, finer, finer.scaled_mesh, 5)
+    exact = _resistance(case, finer.units, finer.meshes.scaled_mesh, 5)
     entries, errors = solved.resistance, solved.errors
     assert entries.mobility is not None
     assert exact.mobility is not None

@@ -17,10 +17,11 @@ from fsi.errors import SolveError
 from fsi.integration.errors import ErrorEstimate
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
-from fsi.observables.truncation import flow_scales, relative_change
+from fsi.observables.scales import flow_scales, relative_change
 from fsi.stokes import adapt
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.comparisons import comparisons
+from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.model import StokesModel
 from tests.stokes.test_periodic import THREE_IN_A_CELL
 
@@ -151,7 +152,7 @@ def test_a_mesh_of_the_user_is_not_refined(tmp_path: Path) -> None:
     """Eight rounds of finer sizes changed nothing, and the complaint was about them."""
     coarse = ["discretisation.cells_per_circle=12", "discretisation.growth=1.0", "discretisation.degree=2"]
     case = load_case(CASES / "disc_in_box.toml", coarse)
-    write_mesh(StokesModel(case).mesh(case.configuration()), tmp_path / "mine.msh", case.names)
+    write_mesh(CaseMeshes(case).mesh(case.configuration()), tmp_path / "mine.msh", case.names)
     own = [*coarse, f'domain.mesh="{tmp_path}/mine.msh"', "discretisation.tolerance=1e-9"]
     with pytest.raises(SolveError, match=r"on the mesh of domain\.mesh.* not refined.* give a finer mesh"):
         solve_with_errors(load_case(CASES / "disc_in_box.toml", own))

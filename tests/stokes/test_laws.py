@@ -12,7 +12,7 @@ from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact, spheres
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run
-from fsi.stokes import problem, solve
+from fsi.stokes import pair_laws, solve
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem
@@ -75,7 +75,7 @@ def test_it_does_not_matter_what_of_a_law_stands_in_the_matrix(
     discretisation = {"formulation": form, "degree": 2}
     near = [FREE[0], FREE[1] | {"position": [2.0, 1.02 + 1.9 + 1e-6]}]
     one = solved(near, 0.05, domain=CHANNEL, discretisation=discretisation)
-    monkeypatch.setattr(problem, "STIFF", 1.0)
+    monkeypatch.setattr(pair_laws, "STIFF", 1.0)
     other = solved(near, 0.05, domain=CHANNEL, discretisation=discretisation)
     assert_allclose(one.U, other.U, rtol=1e-9, atol=1e-10)
     assert one.law_dissipation is not None

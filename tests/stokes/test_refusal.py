@@ -25,6 +25,7 @@ from fsi.meshes.resolution import Resolution
 from fsi.report.console import standard_output
 from fsi.report.solution import print_solution
 from fsi.stokes.adapt import Refinement, _missed, solve_with_errors
+from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.model import StokesModel
 from fsi.stokes.refusal import explained
 from fsi.stokes.resistance import case_resistance
@@ -127,13 +128,13 @@ def test_a_mesh_that_is_refused_is_made_again(gap: float, capsys: pytest.Capture
     print_solution(standard_output(), found.case, found.solution, found.errors, None)
     said = "the sizes of the case gave no valid mesh; taken: discretisation.growth = 0.5"
     assert said in capsys.readouterr().out
-    assert StokesModel(coarse(gap, 0.5)).scaled_mesh(case.configuration()).instead == ""
+    assert CaseMeshes(coarse(gap, 0.5)).scaled_mesh(case.configuration()).instead == ""
 
 
 def test_a_coarse_mesh_around_a_lone_sphere_is_made_until_it_is_valid() -> None:
     """Six elements around it, of order 3: 8, 10 and 12 turn over too, with finer gaps or without."""
     case = random_case("space", 8)
-    found = StokesModel(case).scaled_mesh(case.configuration(), order=3)
+    found = CaseMeshes(case).scaled_mesh(case.configuration(), order=3)
     assert found.instead == "discretisation.cells_per_circle = 15"
     assert found.quality > WORST_ACCEPTED
 
@@ -169,9 +170,9 @@ def test_the_remedy_of_a_refused_mesh_works(gap: float, monkeypatch: pytest.Monk
     case = coarse(gap)
     monkeypatch.setattr(fsi.meshes.build, "SLOWER", (1.0,))
     with pytest.raises(MeshError, match=r"lower discretisation\.growth or raise cells_per_circle") as refused:
-        StokesModel(case).scaled_mesh(case.configuration())
+        CaseMeshes(case).scaled_mesh(case.configuration())
     assert "; discretisation.growth = 1 did not help either" in str(refused.value)
-    StokesModel(coarse(gap, 0.5)).scaled_mesh(case.configuration())
+    CaseMeshes(coarse(gap, 0.5)).scaled_mesh(case.configuration())
 
 
 def test_what_touches_is_not_meshed_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -187,7 +188,7 @@ def test_what_touches_is_not_meshed_again(monkeypatch: pytest.MonkeyPatch) -> No
     q = case.configuration()
     q.centres[0, 1] = 0.5
     with pytest.raises(MeshError, match="touches") as refused:
-        StokesModel(case).scaled_mesh(q)
+        CaseMeshes(case).scaled_mesh(q)
     assert "did not help" not in str(refused.value)
     assert tries == [1.0]
 

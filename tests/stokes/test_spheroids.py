@@ -11,6 +11,7 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.models import flow_solvers
+from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.model import StokesModel
 from fsi.validation.rows import reference, swept
 from tests.stokes.moved_meshes import gives_what_a_new_one_does
@@ -109,7 +110,7 @@ def test_a_thin_superellipse_has_a_mesh() -> None:
     body = {"name": "body", "position": [0.0, 0.0], "velocity": [0.0, 1.0], "shape": shape}
     round_one = {"shape": "round", "radius": 3.0}
     case = in_tube({}, domain=round_one, bodies=[body], discretisation={})
-    mesh = StokesModel(case).mesh(case.configuration())
+    mesh = CaseMeshes(case).mesh(case.configuration())
     assert mesh.quality > 0.1
     assert mesh.instead == ""
 

@@ -11,6 +11,7 @@ from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.curves import rescaled
 from fsi.meshes.geometry.stretched import Stretched
+from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
 from fsi.stokes.units import Units
@@ -97,7 +98,7 @@ def test_a_place_in_a_message_is_in_the_users_units() -> None:
     apart = case.configuration()
     touching = Configuration.unturned(apart.centres - np.array([[0.0, 0.0], [400.0, 0.0]]), apart.radii)
     with pytest.raises(MeshError, match=r"the disc at \(-1100, 0\) touches"):
-        StokesModel(case).scaled_mesh(touching)
+        CaseMeshes(case).scaled_mesh(touching)
 
 
 def test_a_stretched_container_answers_as_one_that_knows_its_numbers() -> None:
@@ -142,7 +143,7 @@ def test_a_gap_far_from_the_origin_is_solved_as_at_it() -> None:
     np.testing.assert_allclose(other.surface.x.mean(axis=0), one.surface.x.mean(axis=0) + corner, rtol=1e-7)
     x = np.array([[5.0, 7.0], [11.0, 15.5]])
     np.testing.assert_allclose(other.evaluate(x + corner)[0], one.evaluate(x)[0], rtol=1e-6)
-    nodes = models[1].mesh(far.configuration()).mesh.geometry.x[:, :2]
+    nodes = models[1].meshes.mesh(far.configuration()).mesh.geometry.x[:, :2]
     np.testing.assert_allclose([nodes.min(axis=0), nodes.max(axis=0)], [corner, corner + 16.0], atol=1e-14)
 
 

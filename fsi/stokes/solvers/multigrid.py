@@ -37,7 +37,8 @@ from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, dof_l
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.images import tied
 from fsi.stokes.discretisation.nodes import locate
-from fsi.stokes.problem import PairLaws, StokesProblem
+from fsi.stokes.pair_laws import PairLaws
+from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.components import COMPONENTS, projected
 from fsi.stokes.solvers.reduced import add_to_modes
 

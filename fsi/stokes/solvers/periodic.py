@@ -15,7 +15,7 @@ Where all bodies of a cell without walls are free, the flow is determined up to 
 and then the mean of u - E x over fluid and bodies is brought to zero.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.bodies.configuration import Configuration, Inertia, Motion
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.matching import matching_points
@@ -32,9 +32,8 @@ from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import facets_with
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.drives import Averages, Drive, flux_of, pulled, pumped, pushed, sheared
-from fsi.stokes.solvers.system import NodalSolution, StokesSystem, nodal_vector
+from fsi.stokes.solvers.system import NodalSolution, Solver, StokesSystem, nodal_vector
 
-type Solver = Callable[..., list[NodalSolution]]
 type Facets = NDArray[np.int32]
 type Images = NDArray[np.int64]
 
@@ -169,10 +168,7 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
     drives, boundary = _drives(system, mean, jump), problem.boundary
     resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
-    inertia = problem.inertia and Inertia(problem.inertia.D, np.zeros_like(problem.inertia.U0))
-    laws = problem.laws and problem.laws.at_rest()
-    at_rest = replace(problem, motion=resting, inertia=inertia, interaction=None, laws=laws)
-    alone = [replace(known, g=each.g, b=each.b, problem=at_rest) for each in drives]
+    alone = [replace(known, g=each.g, b=each.b, problem=problem.at_rest(resting)) for each in drives]
     solution, *driven = solver(known, *alone)
     total_g, total_b, sizes = known.g, known.b, np.zeros(len(drives))
     if drives:

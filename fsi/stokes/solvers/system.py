@@ -7,7 +7,7 @@ with the nodal reaction lambda as in `fsi.stokes.solvers.elimination`, which sol
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -106,6 +106,9 @@ class NodalSolution:
     wall_speeds: Mapping[str, float] = field(default_factory=dict)
     shear_rate: float | None = None
     law_forces: Array = field(default_factory=lambda: np.empty(0))
+
+
+type Solver = Callable[..., list[NodalSolution]]  # of systems (see `fsi.stokes.solvers.elimination`)
 
 
 def nodal_vector(form: Form) -> Array:

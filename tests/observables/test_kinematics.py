@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
+from fsi.observables.kinematics import hoop_rate, strain_rate, vorticity
 
 
 def test_rotation_is_all_vorticity() -> None:
