@@ -77,7 +77,7 @@ class Solution:
     """A case solved at time 0.
 
     Attributes:
-        case: what was solved; with a tolerance the refined one.
+        case: what was solved; with a tolerance the refined one, but of pores, refined one by one, that given.
         instant: velocities U and external loads F, shape (N, M), and what the model knows besides.
         errors: estimated errors of U and F, of the dissipation, the apparent viscosity, dp_dx and flux; None
             of a model without a flow.
@@ -86,6 +86,7 @@ class Solution:
     case: Case
     instant: Instant
     errors: ErrorEstimate | None
+    _given: Case  # that `fsi resistance` refines: R needs other sizes than the flow
 
     @property
     def bodies(self) -> tuple[BodySolution, ...]:
@@ -150,11 +151,17 @@ class Solution:
 
     @together_in_turn()
     def resistance(self) -> Resistance:
-        """R of all bodies, F = R U, and its inverse, with walls at rest. Raises InputError."""
+        """R of all bodies, F = R U, and its inverse, with walls at rest; with a tolerance refined to it.
+
+        The same as by `fsi resistance`. Raises InputError; SolveError: the tolerance is not reached.
+        """
         if not self.bodies:
             raise InputError("bodies: there are none, and no resistance; give one")
         self._flow("resistance")
-        return flow_solvers(self.case).resistance(self.case)
+        solve = flow_solvers(self._given)
+        if self._given.tolerance is None:
+            return solve.resistance(self._given)
+        return solve.resistance_with_errors(self._given).resistance
 
     @together_in_turn()
     def write(self, folder: Path | str) -> dict[str, list[str]]:
@@ -207,9 +214,9 @@ def solve(case: Case) -> Solution:
     require_case(case)
     on_root(lambda: check_work(case))
     if not case.level.flow:
-        return Solution(case, make_model(case)(case.configuration(), 0.0), None)
+        return Solution(case, make_model(case)(case.configuration(), 0.0), None, case)
     solved = flow_solvers(case).solve(case)
-    return Solution(solved.case, solved.solution, solved.errors)
+    return Solution(solved.case, solved.solution, solved.errors, case)
 
 
 @together_in_turn()

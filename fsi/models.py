@@ -98,8 +98,9 @@ class FlowSolvers(NamedTuple):
     Attributes:
         solve: the flow with its estimated errors. Raises InputError: only inertia determines the motion;
             MeshError, SolveError: the solve fails, or the tolerance of the case is not reached.
-        resistance: the matrix of all bodies. Raises alike; InputError where bodies alone determine no flow.
-        resistance_with_errors: the same with its estimated errors.
+        resistance: the matrix of all bodies with the sizes or modes of the case, whatever its tolerance.
+            Raises alike; InputError where bodies alone determine no flow.
+        resistance_with_errors: the same with its estimated errors, refined to the tolerance of the case.
     """
 
     solve: Callable[[Case], SolvedInstant]

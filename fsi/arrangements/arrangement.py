@@ -116,6 +116,11 @@ class Arrangement:
         """The area fraction phi (volume fraction in space)."""
         return float(volumes(self.radii, self.cell.dimension).sum() / self.cell.volume)
 
+    @property
+    def fraction_name(self) -> str:
+        """What phi is called."""
+        return {2: "area fraction", 3: "volume fraction"}[self.cell.dimension]
+
     def smallest_gap(self) -> float:
         """The smallest gap between bodies, their images included; infinite for one body between walls."""
         if (oriented := self.oriented) is not None:

@@ -45,7 +45,8 @@ def hexagonal_array(w: Wanted) -> Arrangement:
     columns = _columns(w, w.rows)
     _need_periodic_x(w, "a hexagonal array")
     if w.periodic[1] and w.rows % 2:
-        raise InputError(f"rows = {w.rows}: odd, so that images of the rows do not fit; give an even number")
+        odd = f"number = {w.number}" if w.number % 2 else f"rows = {w.rows}"
+        raise InputError(f"{odd}: odd, so that images of the rows do not fit; give an even number")
     least = w.apart
     if not w.periodic[1]:
         least = max(least, (w.apart + w.gap) * 2.0 / sqrt(3.0))

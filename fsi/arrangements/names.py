@@ -1,11 +1,11 @@
-"""The words by which arrangements are asked for."""
+"""The words by which arrangements are asked for; plain, as `fsi pack --help` names none of a `type`."""
 
 from typing import Literal
 
-type Kind = Literal[
+Kind = Literal[
     "random", "square", "hexagonal", "rows", "chains", "columns",
     "simple-cubic", "body-centred", "face-centred", "close-packed",
 ]  # fmt: skip
-type CellKind = Literal["channel", "periodic", "box"]
-type Outline = Literal["disc", "ellipse", "rod"]
-type Sizes = Literal["equal", "bidisperse", "lognormal"]
+CellKind = Literal["channel", "periodic", "box"]
+Outline = Literal["disc", "ellipse", "rod"]
+Sizes = Literal["equal", "bidisperse", "lognormal"]

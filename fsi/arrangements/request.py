@@ -5,7 +5,7 @@ from typing import Any
 
 from fsi.arrangements.arrangement import Wanted
 from fsi.arrangements.kinds import KINDS
-from fsi.arrangements.names import Kind
+from fsi.arrangements.names import CellKind, Kind
 from fsi.errors import InputError
 
 type Spelling = Callable[[str, Any], str]
@@ -29,7 +29,7 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
     _require_consistent(options, spelled)
     filled = (
         {"spread": _SPREADS[options.get("sizes", "equal")], "dimension": KINDS[kind].dimension}
-        | _shape(kind, common["number"])
+        | _shape(kind, common["number"], common["cell"])
         | dict(options)
     )
     asked = Wanted(**common, **filled)
@@ -78,9 +78,11 @@ def _require_ranges(asked: Wanted, spelled: Spelling) -> None:
         raise InputError(f"{given}: bodies cannot fill all; give a number below 1")
 
 
-def _shape(kind: Kind, number: int) -> dict[str, Any]:
-    """Rows, length and angle where they are not given."""
+def _shape(kind: Kind, number: int, cell: CellKind) -> dict[str, Any]:
+    """Rows, length and angle where they are not given; rows of a periodic hexagonal array are even."""
     if kind == "chains":
         return {"rows": 1, "length": 4, "angle": 135.0}
-    middle = min((k for k in range(1, number + 1) if number % k == 0), key=lambda k: abs(k - number**0.5))
+    step = 2 if kind == "hexagonal" and cell == "periodic" and number % 2 == 0 else 1
+    suitable = (k for k in range(step, number + 1, step) if number % k == 0)
+    middle = min(suitable, key=lambda k: abs(k - number**0.5))
     return {"rows": middle, "length": middle, "angle": 90.0}

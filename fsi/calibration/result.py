@@ -125,10 +125,7 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     """
     fitted, source = _without_dimension(pair, samples), _source(pair, case, samples)
     if np.any(fitted.kappa <= 0.0) or np.any(np.diff(fitted.kappa) >= 0.0):
-        raise SolveError(
-            "the sampled resistances do not decrease with the gap; end calibration.range before the body "
-            "comes to other surfaces, or refine the discretisation"
-        )
+        raise SolveError(f"the sampled resistances do not decrease with the gap; {_remedy(pair)}")
     if pair.plan.form == "table":
         table = TableSection(s=tuple(fitted.d.tolist()), K=tuple(fitted.kappa.tolist()))
         law = _law_file(pair, source, table=table)
@@ -139,6 +136,19 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     law = _law_file(pair, source, series=_series(fit), range_of_s=fit.range)
     compared = _compared(pair, fit, confined=confined)
     return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))
+
+
+def _remedy(pair: Pair) -> str:
+    """What to do about resistances that rise with the gap.
+
+    The opposite couples that roll two spheres turn each other on, the less the farther apart they are.
+    """
+    if pair.plan.mode == "rotation" and pair.second is not None:
+        return (
+            "end calibration.range where they still fall (that of rolling spheres has a minimum), or refine "
+            "the discretisation"
+        )
+    return "end calibration.range before the body comes to other surfaces, or refine the discretisation"
 
 
 def _without_dimension(pair: Pair, samples: list[Sample]) -> Samples:

@@ -124,7 +124,8 @@ def _tell(arrangement: Arrangement, output: Path, drawn: Path) -> None:
     gaps = f"smallest gap {arrangement.smallest_gap():.4g}"
     if arrangement.cell.walled.size:
         gaps += f", to a wall {arrangement.smallest_wall_gap():.4g}"
-    typer.echo(f"{len(arrangement.radii)} bodies, area fraction {arrangement.fraction():.6g}, {gaps}")
+    filled = f"{arrangement.fraction_name} {arrangement.fraction():.6g}"
+    typer.echo(f"{len(arrangement.radii)} bodies, {filled}, {gaps}")
     typer.echo("\n".join(_domain(arrangement.cell)))
     typer.echo(f"wrote {output} and {drawn}")
 

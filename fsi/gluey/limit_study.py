@@ -28,6 +28,7 @@ class OneGap:
         f: what drives it apart, per mass.
         end: of time.
         radius: of the smaller body.
+        room: the gap at which a body reaches the wall behind it; infinite where there is none.
     """
 
     q0: float
@@ -35,6 +36,7 @@ class OneGap:
     f: PPoly
     end: float
     radius: float
+    room: float = np.inf
 
     def solved(self, eps: float, t: Array) -> Path:
         """The solution at times t with `gamma = eps ln(q / a)`, a the radius. Raises as `solve`.
@@ -89,7 +91,8 @@ def one_gap(case: Case) -> OneGap:
     wall = facing[int(gaps.argmin())]
     n = float(container.normals(q.centres)[0, wall, axis])
     rate, radius = n * float(U[0, axis]), float(q.radii[0])
-    return OneGap(float(gaps.min()), rate, _sum(_accelerations(case, 0, axis, n), end), end, radius)
+    room = float(gaps.sum()) if len(facing) > 1 else np.inf
+    return OneGap(float(gaps.min()), rate, _sum(_accelerations(case, 0, axis, n), end), end, radius, room)
 
 
 def _accelerations(case: Case, i: int, axis: int, n: float) -> list[tuple[float, float | Table]]:
@@ -105,10 +108,14 @@ def _accelerations(case: Case, i: int, axis: int, n: float) -> list[tuple[float,
 
 
 def _require_known(case: Case) -> None:
-    """What drives the gap is known in time, whatever the gap is, and walls are those of the domain."""
+    """What drives the gap is known in time, walls are those of the domain, and contact is never solid."""
     if case.gluey.walls:
         name = case.gluey.walls[0].name
         raise refusal("gluey.walls.0.name", name, "`fsi limit` knows walls of the domain only; drop it")
+    for key in ("gamma_min", "roughness"):
+        if (value := getattr(case.gluey, key)) is not None:
+            solid = "contact becomes solid there, and in `fsi limit` it never does; drop it, or use `fsi run`"
+            raise refusal(f"gluey.{key}", value, solid)
     for k, force in enumerate(case.forces):
         if force.reach > 0.0:
             raise refusal(
@@ -148,6 +155,7 @@ def study(case: Case) -> Study:
     """Solve for the one gap of a case, for each eps and number of steps of [limit]. Raises InputError."""
     gap, wanted = one_gap(case), case.limit or LimitStudy()
     limit = Limit.of(gap.q0, gap.u0, gap.f)
+    _require_room(gap, limit)
     contacts = limit.contacts()
     events = [time for pair in contacts for time in pair if np.isfinite(time)]
     t = np.unique(np.concatenate([np.linspace(0.0, gap.end, SAMPLES + 1), events]))
@@ -162,6 +170,15 @@ def study(case: Case) -> Study:
         np.array([_scheme_error(gap, limit, steps) for steps in wanted.steps]),
         contacts, wanted,
     )  # fmt: skip
+
+
+def _require_room(gap: OneGap, limit: Limit) -> None:
+    """Raise InputError: the body reaches the wall behind it, which the equation does not know."""
+    t = np.unique(np.concatenate([np.linspace(0.0, gap.end, SAMPLES + 1), limit.lowest]))
+    reached = t[limit.q(t) >= gap.room]
+    if reached.size:
+        far = f"the body reaches the wall behind it by t = {reached[0]:.4g}, and `fsi limit` is for one gap"
+        raise refusal("time.end", gap.end, f"{far}; end before, or give a half-plane")
 
 
 def _scheme_error(gap: OneGap, limit: Limit, steps: int) -> float:

@@ -17,9 +17,9 @@ of one that turns in place,
     rotation   y = a (omega.m - K V)
 
 with the resistances kappa_shear and (1 - c^2) kappa_rotation / a_r^2. The product c q couples the two as the
-wall does: c = 0 of a disc (Jeffrey and Onishi 1981), 1/4 of a sphere, of which the logarithms are 16 pi/5 on
-the diagonal and -4 pi/5 off it (Goldman, Cox and Brenner 1967). Any resistances >= 0 leave the sum over all
-rows symmetric and positive semidefinite.
+wall does: c = 0 of a disc (Jeffrey and Onishi 1981), and as the gap vanishes 1/4 of a sphere, of which the
+logarithms are 16 pi/5 on the diagonal and -4 pi/5 off it (Goldman, Cox and Brenner 1967). Any resistances
+>= 0, and any c from -1 to 1, leave the sum over all rows symmetric and positive semidefinite.
 
 Sources: R. C. Ball and J. R. Melrose, Physica A 247 (1997) 444; S. Kim and S. J. Karrila, Microhydrodynamics
 (1991), chapters 9 and 11.
@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from fsi.arrays import Array
 from fsi.lubrication.expansions import Mode
 
-# c of a sphere beside a wall; that of a disc is 0.
+# c of a sphere beside a wall at small gaps; that of a disc is 0.
 _COUPLING = {2: 0.0, 3: 0.25}
 
 
@@ -82,30 +82,37 @@ def slide_and_roll(
 ) -> list[Factors]:
     """Of both rates, as far as there are laws; kappa of each, (P,), that of rotation over a_r^2.
 
-    coupling: C of the power S s^2 - 2 C s y + R y^2 of both, (P,), else c q S beside walls and 0 elsewhere.
+    coupling: C of the power S s^2 - 2 C s y + R y^2 of both, (P,), else `narrow_coupling`.
     """
     wall, a, b = pairs.is_wall, pairs.a, pairs.b
     a_r, (arm, arm_other) = pairs.radius, arms(a, b, pairs.gap)
     g = 0.5 * (1.0 / a - 1.0 / b)
     K = np.where(wall, pairs.curvature, 0.0)
-    c = _COUPLING[pairs.n.shape[1]] if len(kappa) == 2 else 0.0
-    lean = np.where(wall, c * _ratio(kappa), 0.0) if c else np.zeros_like(a)
-    if coupling is not None:
-        lean = coupling / kappa["shear"]
+    C = narrow_coupling(pairs, kappa) if coupling is None else coupling
     across, turn = np.where(wall, -a * K, a_r * g), np.where(wall, a, a_r * (1.0 - g * arm))
     turn_other = np.where(wall, 0.0, -a_r * (1.0 + g * arm_other))
     found = []
+    lean = np.zeros_like(a)
     if "shear" in kappa:
+        S = kappa["shear"]
+        lean = C / np.where(S != 0.0, S, np.inf)
         slid = np.where(wall, 1.0 - (a + pairs.gap) * K, 1.0) - lean * across
         turned = np.where(wall, 0.0, -arm) - lean * turn
         turned_other = np.where(wall, 0.0, -arm_other) - lean * turn_other
-        found.append(Factors(slid, turned, turned_other, kappa["shear"]))
+        found.append(Factors(slid, turned, turned_other, S))
     if "rotation" in kappa:
-        resistance = np.where(wall, 1.0 - c**2, 1.0) * kappa["rotation"]
-        if coupling is not None:
-            resistance = kappa["rotation"] - lean * coupling
-        found.append(Factors(across, turn, turn_other, resistance))
+        found.append(Factors(across, turn, turn_other, kappa["rotation"] - lean * C))
     return found
+
+
+def narrow_coupling(pairs: Nearby, kappa: Mapping[Mode, Array]) -> Array:
+    """C = c q S of narrow gaps to walls, where there are both laws, and 0 elsewhere; (P,)."""
+    c = _COUPLING[pairs.n.shape[1]]
+    if len(kappa) < 2 or c == 0.0:
+        return np.zeros_like(pairs.gap)
+    size = np.sqrt(np.maximum(kappa["shear"] * kappa["rotation"], 0.0))
+    C: Array = np.where(pairs.is_wall, c * size, 0.0)
+    return C
 
 
 def rate_rows(pairs: Nearby, t: Array, factors: Factors) -> tuple[Array, Array]:
@@ -119,13 +126,6 @@ def rate_rows(pairs: Nearby, t: Array, factors: Factors) -> tuple[Array, Array]:
     of_j = np.hstack([-along, factors.turn_other[:, None] * m])
     of_j[pairs.is_wall] = 0.0
     return of_i, of_j
-
-
-def _ratio(kappa: Mapping[Mode, Array]) -> Array:
-    """q, 0 where nothing resists shear."""
-    shear = kappa["shear"]
-    q: Array = np.sqrt(np.maximum(kappa["rotation"] / np.where(shear != 0.0, shear, np.inf), 0.0))
-    return q
 
 
 def tangents(n: Array) -> list[Array]:

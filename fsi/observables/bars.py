@@ -32,12 +32,17 @@ LEVER = 16.0  # of 40 discs in a corner of a box, gaps from 1e-8 to 1e-6 radii, 
 
 @dataclass(frozen=True, slots=True)
 class DrivenBodies:
-    """The bodies of a case at q and t, and what holds and drives them."""
+    """The bodies of a case at q and t, and what holds and drives them.
+
+    Attributes:
+        rounded: the part of a gap, at most, by which a model rounds it before it solves.
+    """
 
     case: Case
     q: Configuration
     t: float
     motion: Motion
+    rounded: float = 0.0
 
 
 def motion_of(case: Case, q: Configuration, t: float, instant: Results) -> Motion:
@@ -113,14 +118,14 @@ def step_errors(bodies: DrivenBodies, results: FlowResults, *others: Compared) -
 def rounding_of(bodies: DrivenBodies) -> float:
     """The part of a result that rounding makes.
 
-    Coordinates x across a gap are rounded to eps |x|, so that it is known to a part eps |x| / gap, and what
-    goes with a power of it to so many times this.
+    Coordinates x across a gap are rounded to eps |x|, so that it is known to a part eps |x| / gap, and to
+    what the model rounds; what goes with a power of it is known to so many times this.
     """
     q, container = bodies.q, bodies.case.container().at(bodies.t, bodies.q.strain)
     if (gap := narrowest_gap(q, container)) is None:
         return ROUNDING
     farthest = float(abs(gap.opposite @ gap.normal) + q.radii[gap.sides[0]])
-    return max(ROUNDING, STEEPEST * float(np.finfo(float).eps) * farthest / gap.width)
+    return max(ROUNDING, STEEPEST * (float(np.finfo(float).eps) * farthest / gap.width + bodies.rounded))
 
 
 def turned_by_rounding(bodies: DrivenBodies, results: Results) -> Array:

@@ -156,8 +156,12 @@ def difference(R: Array, other: Array, scale: Array) -> float:
     return float(np.max(np.abs(R - other) / np.outer(size, size)))
 
 
-def estimated_errors(found: Resistance, others: Sequence[tuple[float, Resistance]]) -> ResistanceErrors:
+def estimated_errors(
+    found: Resistance, others: Sequence[tuple[float, Resistance]], rounding: float
+) -> ResistanceErrors:
     """The sum of factors times the differences from others, at least what rounding and chance leave.
+
+    rounding: the part of a result that rounding of gaps makes (see `fsi.observables.bars.rounding_of`).
 
     R and its error are positive matrices, so that |E_ij| <= sqrt(E_ii E_jj), of the mobility likewise: that
     is the scale of what cancels in E_ij.
@@ -166,12 +170,10 @@ def estimated_errors(found: Resistance, others: Sequence[tuple[float, Resistance
     def bound(A: Array, compared: Sequence[tuple[float, Array]]) -> Array:
         error, size = sum((factor * np.abs(A - B) for factor, B in compared), 0.0 * A), np.sqrt(np.diag(A))
         cancelling = np.sqrt(np.diag(error))
-        least = rounding * np.outer(size, size) + KNOWN_TO * np.outer(cancelling, cancelling)
+        least = known * np.outer(size, size) + KNOWN_TO * np.outer(cancelling, cancelling)
         return np.asarray(np.maximum(error, least))
 
-    rounding = max(
-        FACTORISATION, found.checks.get("reciprocity", 0.0)
-    )  # what R as computed lacks of symmetry
+    known = max(rounding, FACTORISATION, found.checks.get("reciprocity", 0.0))  # the last of R as computed
     of_mobility = None
     inverses = [(factor, other.mobility) for factor, other in others if other.mobility is not None]
     if found.mobility is not None and len(inverses) == len(others):

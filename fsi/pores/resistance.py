@@ -19,7 +19,7 @@ from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
 from fsi.errors import RefusedError, SolveError, apart
 from fsi.observables import resistance as matrix
-from fsi.observables.bars import DrivenBodies
+from fsi.observables.bars import DrivenBodies, rounding_of
 from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.pores.adapt import finer
 from fsi.pores.bars import bar_factor, reference_modes
@@ -51,10 +51,11 @@ def resistance_with_error(case: Case) -> PoreResistance:
     Raises InputError: bodies alone determine no flow; SolveError: no pores, or the tolerance is not reached.
     """
     modes: int | None = case.pores.modes
+    rounding = rounding_of(DrivenBodies(case, case.configuration(), 0.0, case.motion(0.0)))
     while modes is not None:
         chosen, other = with_modes(case, modes), with_modes(case, reference_modes(modes))
         found = case_resistance(chosen)
-        errors = matrix.estimated_errors(found, [(bar_factor(modes), case_resistance(other))])
+        errors = matrix.estimated_errors(found, [(bar_factor(modes), case_resistance(other))], rounding)
         if case.tolerance is None or errors.largest <= case.tolerance:
             return PoreResistance(chosen, found, errors)
         modes = finer(modes)

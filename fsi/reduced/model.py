@@ -29,7 +29,7 @@ from fsi.reduced.stress import (
     stresslets,
 )
 from fsi.reduced.system import Surroundings, identities, require, solve_system
-from fsi.reduced.tangential import TangentialRows, tangential_rows
+from fsi.reduced.tangential import TangentialRows, make_coupling, tangential_rows
 from fsi.run_folder.paraview import in_space, write_lines, write_points
 
 
@@ -109,6 +109,7 @@ class ReducedModel:
         self.case = case
         self.laws = make_laws(case)
         self.tangential = make_tangential_laws(case)
+        self.coupling = make_coupling(case)
         self.reach = np.inf if case.reduced.cutoff is None else case.reduced.cutoff
         self.zeta = drag(case)
         self._steady = None if case.kinks() else case.motion(0.0)  # with many bodies worth keeping
@@ -162,7 +163,7 @@ class ReducedModel:
         """How the pairs resist sliding and rolling, if they do."""
         if not self.tangential:
             return None
-        return tangential_rows(pairs, q.radii, self.tangential, ambient.enclosure)
+        return tangential_rows(pairs, q.radii, self.tangential, self.coupling, ambient.enclosure)
 
     def surroundings(self, q: Configuration, t: float) -> Surroundings:
         """Walls, periods, background flow, motion and drag at time t."""

@@ -1,11 +1,13 @@
 """How near surfaces slide and roll: rows by which pairs resist all relative motion but that of their gaps.
 
 The rates, and what resists them, are those of `fsi.lubrication.sliding`; the sum over all rows is symmetric
-and positive semidefinite.
+and positive semidefinite. Beside walls with exact laws of both, spheres have their exact coupling too, less
+that at the cutoff. It is below that of narrow gaps, c = 1/4, at all gaps and cutoffs, and tends to it.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import scipy.sparse as sp
@@ -14,11 +16,26 @@ from numpy.typing import NDArray
 from fsi.arrays import Array
 from fsi.bodies.configuration import MODES
 from fsi.bodies.records import joined
+from fsi.case.case import Case
 from fsi.lubrication.expansions import Mode
-from fsi.lubrication.sliding import Factors, Nearby, rate_rows, slide_and_roll, tangents
+from fsi.lubrication.laws import CutLaw, LubricationLaw, ScaledLaw
+from fsi.lubrication.profiles import TabulatedProfile
+from fsi.lubrication.sliding import (
+    Factors,
+    Nearby,
+    narrow_coupling,
+    rate_rows,
+    slide_and_roll,
+    tangents,
+)
+from fsi.lubrication.sphere_beside_plane import coupling_resistance
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.gap_laws import GapLaws
 from fsi.reduced.pairs import Pairs
+from fsi.reduced.possible_films import beside_walls
+
+# Of s: from where the laws of spheres are tabulated to where C is 1e-7 of its largest, and falls like s^-4.
+_NEAREST, _FARTHEST, _POINTS = 1e-8, 30.0, 140
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +63,29 @@ class TangentialRows:
     turn: Array
 
 
+def make_coupling(case: Case) -> LubricationLaw | None:
+    """C of sliding and rolling spheres beside walls; None where not both of their laws are exact."""
+    asked, cut = case.reduced, case.reduced.cutoff
+    names = {asked.wall_shear_law or asked.shear_law, asked.wall_rotation_law or asked.rotation_law}
+    if not case.spheres or names != {"exact"} or cut is None or not beside_walls(case):
+        return None
+    return CutLaw(ScaledLaw(_coupling_beside_plane(), case.fluid.viscosity, 1, extrapolate=True), cut)
+
+
+@cache
+def _coupling_beside_plane() -> TabulatedProfile:
+    s = np.geomspace(_NEAREST, _FARTHEST, _POINTS)
+    # By parts, as all gaps that are summed together take as many terms as the smallest.
+    C = np.concatenate([coupling_resistance(part, 1.0, 1.0) for part in np.array_split(s, 10)])
+    return TabulatedProfile(s, C, smooth=True)
+
+
 def tangential_rows(
-    pairs: Pairs, radii: Array, laws: Mapping[Mode, GapLaws], enclosure: Enclosure
+    pairs: Pairs,
+    radii: Array,
+    laws: Mapping[Mode, GapLaws],
+    coupling: LubricationLaw | None,
+    enclosure: Enclosure,
 ) -> TangentialRows:
     """The rows of all pairs by the laws there are. Raises SolveError where a law does not hold."""
     x, films = np.log(pairs.gap), pairs.films
@@ -56,7 +94,11 @@ def tangential_rows(
         kappa["rotation"] = kappa["rotation"] / pairs.radius**2
     other = radii[np.where(pairs.is_wall, pairs.i, pairs.j)]
     sides = Nearby(pairs.n, pairs.gap, pairs.radius, radii[pairs.i], other, pairs.is_wall, pairs.curvature)
-    factors = slide_and_roll(sides, kappa)
+    C = narrow_coupling(sides, kappa)
+    if coupling is not None:
+        wall = np.flatnonzero(sides.is_wall)
+        C[wall] = np.minimum(C[wall], coupling.kappa(pairs.gap[wall], pairs.radius[wall]))
+    factors = slide_and_roll(sides, kappa, C)
     parts = [
         _rows(pairs, sides, len(radii), enclosure, tangent, factor)
         for tangent in tangents(pairs.n)

@@ -38,7 +38,10 @@ _NECKS = 10  # that are listed
 def solution_json(
     case: Case, found: PoreInstant, errors: ErrorEstimate, truncated: Truncation
 ) -> dict[str, Any]:
-    """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
+    """The object that `fsi solve --json` prints; `truncation` is there where it could be measured.
+
+    Stresslets and their errors are those less the trace, which pores do not tell: S_xx = -S_yy.
+    """
     bodies = bodies_json(case, found.U, found.F)
     for body, U, F in zip(bodies, errors.U, errors.F, strict=True):
         body |= {"velocity_error": U[:2].tolist(), "angular_velocity_error": turning(U[2:])}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
+from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.meshes.build import FluidMesh, Made, build
 from fsi.meshes.errors import MeshError
@@ -69,6 +70,15 @@ class CaseMeshes:
         coarsest = COARSEST if q.dimension == 3 else self.resolution.growth
         growth = min(self.resolution.growth, coarsest) / comparison.finer
         return self._built(q, t, replace(self.resolution, growth=growth), comparison.degree)
+
+    def rounded(self, q: Configuration, t: float) -> float:
+        """The part of a gap, at most, by which it is another one as lengths in these units have 15 digits."""
+        meshed = self.case.meshed_at(q, t)
+        given = find_gaps(meshed, self.case.container().at(t, q.strain)).smallest_of_each()
+        here = self.units.scaled_configuration(meshed)
+        solved = self.units.length * find_gaps(here, self._container.at(t, q.strain)).smallest_of_each()
+        near = np.isfinite(given) & np.isfinite(solved)
+        return float(np.max(np.abs(solved[near] / given[near] - 1.0), initial=0.0))
 
     def mesh_in_use(self, q: Configuration, t: float) -> FluidMesh:
         """The mesh that is moved, moved to q and t, or a new one: none is, or it would be too distorted."""

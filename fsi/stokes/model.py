@@ -29,6 +29,8 @@ from fsi.stokes.walls import boundary_of, surfaces_of
 OF_LAWS = 3.5
 # Fluid that is shut in leaves by several gaps once they are opened, but through the widest of them before.
 WAYS_OUT = 3.0
+# Gaps below which laws act: with less around a body in a round wall they miss more than half the gap tells.
+ROOM = 10.0
 
 
 class StokesModel:
@@ -88,11 +90,20 @@ class StokesModel:
             return below
         return way_out(q, self._around(q, t), below, tuple(boundary_of(self.case, t).velocities))
 
-    def _of_half_the_gap(self, below: float, q: Configuration, t: float, motion: Motion) -> StokesSolution:
-        """The flow in which laws act below half the gap: it differs by most of what they miss."""
-        half = self.case.lubrication.model_copy(update={"below": 0.5 * below})
-        model = StokesModel(self.case.model_copy(update={"lubrication": half}))
+    def _of_narrower_gaps(self, below: float, q: Configuration, t: float, motion: Motion) -> StokesSolution:
+        """The flow in which laws act below this gap, a part of that of the case."""
+        narrower = self.case.lubrication.model_copy(update={"below": below})
+        model = StokesModel(self.case.model_copy(update={"lubrication": narrower}))
         return model.of_degree(self.options.degree, q, t, motion)
+
+    def _parts(self, below: float, q: Configuration) -> tuple[float, ...]:
+        """Of the gap below which laws act: half of it tells most of what they miss.
+
+        Where a body has little room in a round wall that may cancel by chance, and a quarter tells as well.
+        """
+        spheres = [sphere.radius for sphere in self.case.container().spheres if sphere is not None]
+        tight = len(spheres) > 0 and min(spheres) - q.radii.max(initial=0.0) < ROOM * below
+        return (0.5, 0.25) if tight else (0.5,)
 
     def _solved(self, problem: StokesProblem, degree: int, clock: Clock) -> StokesSolution:
         with explained(problem, self.case.names, self.units.origin):
@@ -104,7 +115,7 @@ class StokesModel:
     ) -> StepErrors:
         """The estimated errors of an instant of this model at q and t; a solve or two more, collective.
 
-        Where laws act below a gap one more solve, with half of this gap, tells what they miss.
+        Where laws act below a gap one more solve or two, with parts of this gap, tell what they miss.
 
         motion: what held and drove the bodies; None: that of the case at this instant. Raises MeshError,
         SolveError: as for the flow, with the other degree.
@@ -115,9 +126,10 @@ class StokesModel:
             for each in comparisons(self.case)
         ]
         if (below := self.case.lubrication.below) is not None:
-            of_half = self._of_half_the_gap(below, q, t, motion)
-            others.append(Compared(of_half, self._factor_of_laws(below, q, t)))
-        bodies = DrivenBodies(self.case, q, t, motion)
+            factor = self._factor_of_laws(below, q, t)
+            flows = (self._of_narrower_gaps(part * below, q, t, motion) for part in self._parts(below, q))
+            others += [Compared(flow, factor) for flow in flows]
+        bodies = DrivenBodies(self.case, q, t, motion, self.meshes.rounded(q, t))
         return step_errors(bodies, cast(StokesSolution, instant), *others)  # this model gave it
 
     def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:

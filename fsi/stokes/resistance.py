@@ -18,10 +18,11 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
-from fsi.errors import InputError
+from fsi.errors import InputError, RefusedError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
 from fsi.observables import resistance as matrix
+from fsi.observables.bars import DrivenBodies, rounding_of
 from fsi.observables.resistance import Modes, Resistance, ResistanceErrors
 from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.comparisons import comparisons
@@ -31,6 +32,7 @@ from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solve import DEFAULT, Clock, assembled
 from fsi.stokes.solvers.elimination import factorised
+from fsi.stokes.solvers.gmres import SHARPER
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem
 from fsi.stokes.units import Units
 from fsi.stokes.walls import surfaces_of
@@ -63,7 +65,9 @@ def _solved(case: Case) -> SolvedResistance:
     for comparison in comparisons(still):
         mesh = partial(meshes.compared_mesh, comparison)
         others.append((comparison.factor, _resistance(case, meshes.units, mesh, comparison.degree)))
-    errors = matrix.estimated_errors(computed, others)
+    q = case.configuration()
+    bodies = DrivenBodies(case, q, 0.0, case.motion(0.0), meshes.rounded(q, 0.0))
+    errors = matrix.estimated_errors(computed, others, rounding_of(bodies))
     return SolvedResistance(case, errors.largest, computed.dofs, computed, errors)
 
 
@@ -121,15 +125,33 @@ def solve_resistance(
 ) -> Resistance:
     """R of the bodies of a problem; collective.
 
-    The bodies are held at rest, and the formulation is the eliminated one; names are for the labels. Raises
-    SolveError: singular system, large residual, or an identity violated.
+    The bodies are held at rest, and the formulation is the eliminated one; names are for the labels. What an
+    iteration misses is solved again, to SHARPER. Raises SolveError: singular system, large residual, or an
+    identity violated.
     """
-    clock, fluid, q = clock or Clock(), problem.fluid, problem.q
-    shape, units, modes = q.arms.shape, np.eye(q.arms.size), _modes_of(problem, names)
-    if fluid.container.axisymmetric:
+    clock, fluid, modes = clock or Clock(), problem.fluid, _modes_of(problem, names)
+    with assembled(problem, options, clock) as system:
+        try:
+            R, checks = _symmetric(system, modes, clock)
+        except RefusedError:
+            if system.mass is None:  # no iteration is to blame
+                raise
+            R, checks = _symmetric(replace(system, tolerance=SHARPER), modes, clock)
+        dofs = system.forms.dofs
+    resting = bool(problem.boundary.velocities)
+    eigenvalues = matrix.positive_eigenvalues(R, modes.scale, resting=resting)
+    mobility = matrix.inverse(R) if resting else None
+    size = (dofs, fluid.cells())
+    return Resistance(modes, R, mobility, eigenvalues, checks, *size, clock.seconds, fluid.instead)
+
+
+def _symmetric(system: StokesSystem, modes: Modes, clock: Clock) -> tuple[Array, dict[str, float]]:
+    """R (n, n) of an assembled system, and the worst defects of its columns. Raises RefusedError."""
+    shape, columns, worst = system.problem.q.arms.shape, list[Array](), dict[str, float]()
+    units = np.eye(system.problem.q.arms.size)
+    if system.problem.container.axisymmetric:
         units = units[AXIAL_MODE :: shape[1]]
-    columns, worst = [], dict[str, float]()
-    with assembled(problem, options, clock) as system, factorised(system) as responses:
+    with factorised(system) as responses:
         clock.lap("factorise")
         for block in batched(units, BLOCK):
             for nodal in responses([_moving(system, U) for U in np.reshape(block, (-1, *shape))]):
@@ -138,14 +160,9 @@ def solve_resistance(
                 worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
                 columns.append(units @ nodal.load.ravel())
                 clock.lap("checks")
-        dofs = system.forms.dofs
     require(worst)
     R, asymmetry = matrix.symmetrised(np.column_stack(columns), modes.scale)
-    resting, checks = bool(problem.boundary.velocities), worst | {"reciprocity": asymmetry}
-    eigenvalues = matrix.positive_eigenvalues(R, modes.scale, resting=resting)
-    mobility = matrix.inverse(R) if resting else None
-    size = (dofs, fluid.cells())
-    return Resistance(modes, R, mobility, eigenvalues, checks, *size, clock.seconds, fluid.instead)
+    return R, worst | {"reciprocity": asymmetry}
 
 
 def _moving(system: StokesSystem, U: Array) -> StokesSystem:

@@ -37,6 +37,8 @@ def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
         links = close_links(arrangement)
         axes.add_collection(LineCollection(list(links), colors=ORANGE, linewidths=1.8, zorder=3))
         axes.set_title(_title(arrangement, len(links)), loc="center", fontsize=10)
+        if arrangement.cell.dimension == 3:
+            _name_plane(axes)
 
 
 def draw_case(figure: Figure, case: Case, q: Configuration, t: float) -> tuple[Axes, Array]:
@@ -124,6 +126,13 @@ def _new_axes(figure: Figure, width: float, height: float) -> Axes:
     return axes
 
 
+def _name_plane(axes: Axes) -> None:
+    """Label the axes of a projection, and draw nothing else of them."""
+    axes.set_axis_on()
+    axes.spines[:].set_visible(False)
+    axes.set(xlabel="x (seen along y)", ylabel="z", xticks=[], yticks=[])
+
+
 def _add_bodies(
     axes: Axes, centres: Array, radii: Array, rims: Array | None = None, image: bool = False
 ) -> None:
@@ -168,6 +177,6 @@ def _draw_frame(axes: Axes, cell: SimulationCell) -> None:
 
 
 def _title(arrangement: Arrangement, links: int) -> str:
-    text = f"N = {len(arrangement.radii)}, area fraction {arrangement.fraction():.3g}"
+    text = f"N = {len(arrangement.radii)}, {arrangement.fraction_name} {arrangement.fraction():.3g}"
     gap = min(arrangement.smallest_gap(), arrangement.smallest_wall_gap())
     return f"{text}, smallest gap {gap:.3g}" + (f"; joined: gap < {CLOSE:g} a" if links else "")

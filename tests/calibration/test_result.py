@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -10,9 +11,12 @@ from fsi.calibration.calibrate import summary
 from fsi.calibration.finding import pair_of
 from fsi.calibration.result import fit_law
 from fsi.calibration.sampling import planned_gaps
+from fsi.case.load import load_case
+from fsi.errors import SolveError
 from fsi.report.studies import lines
 from tests.calibration.test_sampling import ExactModel, small_case
 
+EQUAL = Path(__file__).parents[2] / "cases" / "calibration" / "equal_discs_shear.toml"
 BOX = ("domain={lower=[-5.0,0.0], upper=[5.0,10.0]}", 'calibration.pair=["disc","bottom"]')
 
 
@@ -29,6 +33,23 @@ def test_theory_is_that_of_the_pair_whatever_is_around_it(
     found = fit_law(pair, added, "disc.toml")
     assert [one.term for one in found.coefficients if one.theory is not None] == compared
     assert all(one.inside for one in found.coefficients if one.theory is not None)
+
+
+@pytest.mark.parametrize(
+    ("mode", "remedy"),
+    [
+        ("rotation", r"where they still fall \(that of rolling"),
+        ("shear", "before the body comes to other surfaces"),
+    ],
+)
+def test_rolling_resistances_that_rise_are_no_other_surfaces(mode: str, remedy: str) -> None:
+    """Of two equal spheres it has a minimum at a gap of one radius, 1 % below 4 pi a^3 (`two_spheres`)."""
+    pair = pair_of(load_case(EQUAL, (f'calibration.mode="{mode}"',)))
+    model = ExactModel()
+    samples = [model(pair, gap, held_out=False) for gap in (0.1, 0.2, 0.4)]
+    samples[2] = replace(samples[2], kappa=1.01 * samples[1].kappa)
+    with pytest.raises(SolveError, match=f"do not decrease with the gap; end calibration.range {remedy}"):
+        fit_law(pair, samples, "discs.toml")
 
 
 def test_the_free_exponent_has_its_95_percent_interval() -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import pytest
 
+from fsi.arrangements.names import CellKind, Kind, Outline, Sizes
 from fsi.case.load import load_case
 from fsi.cli.pack import pack
 from fsi.errors import InputError
@@ -62,6 +64,26 @@ def test_what_it_prints_is_the_domain(
     assert container.size() == pytest.approx(math.hypot(*sides))
 
 
+def test_rows_that_are_not_given_are_even_where_they_must_be(tmp_path: Path) -> None:
+    """12 discs: 3 rows of 4 are the nearest to a square, 4 rows of 3 the nearest even ones."""
+    pack("hexagonal", output=tmp_path / "discs.json", number=12, cell="periodic")
+    assert json.loads((tmp_path / "discs.json").read_text())["rows"] == 4
+    pack("hexagonal", output=tmp_path / "discs.json", number=12)
+    assert json.loads((tmp_path / "discs.json").read_text())["rows"] == 3
+
+
+def test_spheres_fill_a_part_of_the_volume(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pack("simple-cubic", output=tmp_path / "spheres.json", number=8, cell="periodic")
+    assert capsys.readouterr().out.startswith("8 bodies, volume fraction 0.4, ")
+
+
+def test_the_help_names_what_may_be_given() -> None:
+    command, wide = [sys.executable, "-m", "fsi", "pack", "--help"], {"COLUMNS": "300"}
+    said = subprocess.run(command, capture_output=True, text=True, check=True, env=os.environ | wide).stdout
+    for words in (Kind, CellKind, Outline, Sizes):
+        assert "|".join(get_args(words)) in said
+
+
 @pytest.mark.parametrize(
     ("options", "parts"),
     [
@@ -81,7 +103,8 @@ def test_what_it_prints_is_the_domain(
         ({"kind": "chains", "number": 8, "angle": 0.0}, ["angle = 0", "take rows"]),
         ({"kind": "columns", "cell": "periodic"}, ["columns stand between walls"]),
         ({"kind": "rows", "cell": "box"}, ["periodic along x"]),
-        ({"kind": "hexagonal", "cell": "periodic", "number": 15, "rows": 3}, ["rows = 3", "even"]),
+        ({"kind": "hexagonal", "cell": "periodic", "number": 12, "rows": 3}, ["rows = 3", "even"]),
+        ({"kind": "hexagonal", "cell": "periodic", "number": 15}, ["number = 15", "even"]),
         ({"kind": "rows", "area_fraction": 0.8}, ["area fraction = 0.8", "largest possible is 0.7623"]),
         ({"kind": "body-centred", "number": 7}, ["number = 7", "no multiple of 2", "give 6"]),
         ({"kind": "face-centred", "number": 4, "seed": 3}, ["--seed 3", "face-centred takes none"]),

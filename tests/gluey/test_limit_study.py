@@ -9,7 +9,7 @@ import pytest
 
 from fsi.errors import InputError
 from fsi.gluey.limit import Limit
-from fsi.gluey.limit_study import one_gap
+from fsi.gluey.limit_study import one_gap, study
 from tests.cli.test_commands import ROOT, call
 from tests.gluey.test_system import case_of
 from tests.ranks import needs_mpi, python_on
@@ -56,11 +56,31 @@ def test_gravity_does_not_move_what_is_held() -> None:
             {"gluey": {"walls": [{"name": "w", "point": [0.0, -9.0], "normal": [0.0, 1.0]}]}},
             r'^gluey\.walls\.0\.name = "w": `fsi limit` knows walls of the domain only; drop it',
         ),
+        (
+            {"gluey": {"gamma_min": -0.5}},
+            r"^gluey\.gamma_min = -0\.5: contact becomes solid there.*; drop it",
+        ),
+        (
+            {"gluey": {"eps": 0.1, "reference_gap": 1.0, "roughness": 0.01}},
+            r"^gluey\.roughness = 0\.01: contact becomes solid there.*; drop it",
+        ),
     ],
 )
 def test_what_the_study_does_not_know_is_refused(change: dict[str, Any], line: str) -> None:
     with pytest.raises(InputError, match=line):
         one_gap(pair(**change))
+
+
+def test_the_wall_behind_the_body_is_not_reached() -> None:
+    """Between walls 4 apart the disc of radius 1/2 rises at 1 from 1.5: its gap of 1 is 3 at t = 2."""
+    rising = {"position": [0.0, 1.5], "mass": 1.0, "initial_velocity": [0.0, 1.0]}
+    walls = {"lower": [-50.0, 0.0], "upper": [50.0, 4.0]}
+    before = case_of(rising, domain=walls, time={"end": 1.99, "step": 0.1})
+    assert study(before).q[-1] == pytest.approx(2.99, rel=1e-14)
+    with pytest.raises(
+        InputError, match=r"^time\.end = 4\.0: .* wall behind it by t = 2, .*; end before, or"
+    ):
+        study(case_of(rising, domain=walls, time={"end": 4.0, "step": 0.1}))
 
 
 def test_both_bodies_have_a_mass() -> None:

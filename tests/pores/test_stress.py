@@ -13,6 +13,7 @@ from fsi.case.load import parse_case
 from fsi.models import make_model
 from fsi.observables.bulk_stress import BulkStress
 from fsi.pores.accuracy import SolvedPores, solve_with_errors
+from fsi.report.pores import solution_json
 from fsi.stokes.solution import StokesSolution
 
 BODIES = [
@@ -77,6 +78,19 @@ def test_stresslets_and_mean_stress_are_those_of_the_resolved_flow(sections: dic
     N_1 = bulk.normal_stress_difference
     assert abs(N_1) > 0.01
     assert ours.normal_stress_difference == pytest.approx(N_1, abs=bars.normal_stress_difference + 2e-5)
+
+
+def test_the_json_has_stresslets_less_their_traces() -> None:
+    """S_xx + S_yy = 0 where the resolved sum is not; S_xx - S_yy is the resolved one, by both bars."""
+    case = case_of(domain=CELL, forces=FALLING)
+    solved, resolved = solve_with_errors(case), resolved_stress(case).stresslets
+    bodies = solution_json(solved.case, solved.solution, solved.errors, None)["bodies"]
+    S, bars = (np.array([body[key] for body in bodies]) for key in ("stresslet", "stresslet_error"))
+    assert np.all(np.abs(np.trace(resolved, axis1=1, axis2=2)) > 0.1)
+    np.testing.assert_array_equal(S[:, 0, 0] + S[:, 1, 1], 0.0)
+    np.testing.assert_array_equal(S[:, 0, 1], S[:, 1, 0])
+    missed = np.abs(S[:, 0, 0] - S[:, 1, 1] - (resolved[:, 0, 0] - resolved[:, 1, 1]))
+    assert np.all(missed <= bars[:, 0, 0] + bars[:, 1, 1] + 4e-5)
 
 
 @pytest.mark.parametrize("domain", [CHANNEL, CELL], ids=["channel", "cell"])

@@ -50,18 +50,18 @@ def test_every_entry_has_its_error_also_where_rounding_is_all() -> None:
     """R_00 differs by 0.2: the inverse of 1x1 blocks by 1/4 - 1/4.2; no entry is known better than 1e-11."""
     found, other = of_one_disc(inverse(SPD)), of_one_disc(inverse(SPD + np.diag([0.2, 0.0, 0.0])))
     other = replace(other, R=SPD + np.diag([0.2, 0.0, 0.0]))
-    errors = estimated_errors(found, [(1.5, other)])
+    errors = estimated_errors(found, [(1.5, other)], 0.0)
     assert errors.R[0, 0] == pytest.approx(0.3)
     assert errors.largest == pytest.approx(0.3 / 4.0)
     assert_allclose(errors.R[1:, 1], 1e-11 * np.sqrt([9.0, 6.0]))
-    cancelling = estimated_errors(found, [(1.5, replace(other, R=SPD + np.diag([0.2, 0.1, 0.0])))])
+    cancelling = estimated_errors(found, [(1.5, replace(other, R=SPD + np.diag([0.2, 0.1, 0.0])))], 0.0)
     assert cancelling.R[0, 1] == pytest.approx(0.03 * np.sqrt(0.3 * 0.15))
     # Sherman and Morrison: M - M' = 0.2 M e e^T M / (1 + 0.2 M_00).
     assert found.mobility is not None
     assert errors.mobility is not None
     M = found.mobility
     assert_allclose(errors.mobility, 1.5 * 0.2 * np.abs(np.outer(M[0], M[0])) / (1.0 + 0.2 * M[0, 0]))
-    assert estimated_errors(of_one_disc(None), [(1.5, other)]).mobility is None
+    assert estimated_errors(of_one_disc(None), [(1.5, other)], 0.0).mobility is None
 
 
 def test_scales_make_every_entry_dimensionless() -> None:

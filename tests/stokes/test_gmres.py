@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from fsi.case.load import parse_case
 from fsi.errors import InputError, SolveError
+from fsi.stokes.resistance import case_resistance
 from fsi.stokes.solvers import gmres
 from tests.stokes.spatial_flows import BOX, case, solved
 
@@ -104,6 +105,17 @@ def test_a_flow_that_misses_an_identity_is_solved_again(
     monkeypatch.setattr("fsi.stokes.solve.SHARPER", gmres.TOLERANCE)
     with pytest.raises(SolveError, match="violates the identity"):
         solved(case(BOX, solver="iterative"))
+
+
+def test_columns_that_are_not_reciprocal_are_solved_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As above, with the asymmetry of R."""
+    usual = case_resistance(case(BOX, solver="iterative"))
+    monkeypatch.setattr("fsi.observables.resistance.BOUND", 0.1 * usual.checks["reciprocity"])
+    sharper = case_resistance(case(BOX, solver="iterative"))
+    assert sharper.checks["residual"] <= 2.0 * gmres.SHARPER
+    monkeypatch.setattr("fsi.stokes.resistance.SHARPER", gmres.TOLERANCE)
+    with pytest.raises(SolveError, match="violates reciprocity"):
+        case_resistance(case(BOX, solver="iterative"))
 
 
 @pytest.mark.parametrize("force", [0.0, -1.0])

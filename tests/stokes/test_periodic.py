@@ -112,7 +112,8 @@ def test_a_channel_does_not_know_where_it_begins() -> None:
 def test_a_channel_that_is_opened_through_a_narrow_gap_does_not_know_where(gap: float, among: str) -> None:
     """Velocities within the bars, of 1e-7, of those of the same bodies 1.3 on; the cut goes with the bodies.
 
-    4 from the origin gaps of 1e-8 are known to 1e-7, and rotations of the small disc to 2.5 times 2 of it.
+    4 from the origin, of 15 digits, gaps of 1e-8 are known to 5e-7, and rotations of the small disc to 2.5
+    times 2 of it; of those alone, whose places have 9 digits, to 1e-7 and 2.5 times 2 of that.
     Nodes on the cut are as near to each other as 1e-10 of the period.
     """
     at = [5.0, 1.0 + gap], [7.0, 4.7], [9.0, 2.0]
@@ -122,7 +123,8 @@ def test_a_channel_that_is_opened_through_a_narrow_gap_does_not_know_where(gap: 
     here, there = (sheared_channel([(x + by, y) for x, y in at], [1.0, 1.0, 0.5]) for by in (0.0, 1.3))
     assert here.errors is not None
     assert there.errors is not None
-    assert here.errors.U.max() < (2e-7 if gap > 1e-8 else 6e-7)
+    known = 1e-7 if among == "alone" else 5e-7
+    assert here.errors.U.max() < (2e-7 if gap > 1e-8 else 2.5 * 2.0 * known * 1.2)
     assert np.all(np.abs(here.instant.U - there.instant.U) <= here.errors.U + there.errors.U)
 
 

@@ -38,8 +38,9 @@ ORDERS = {2: 2, 3: 5}
 # ICNTL(8): by the roots of the diagonal, where inner unknowns have left no zeros. It delays as few pivots and
 # leaves the same residuals as MUMPS's own choice, which goes over the matrix many times: a tenth of its time.
 SCALED_BY_DIAGONAL = 1
-# Percent beyond MUMPS's estimate: many delayed pivots may need the second.
-WORKSPACES = (30, 500)
+# Percent beyond MUMPS's estimate: many delayed pivots may need the second, and those of a free body in a
+# narrow gap, in the form with multipliers, the last.
+WORKSPACES = (30, 500, 5000)
 TOO_LITTLE_WORKSPACE = (-8, -9)
 SINGULAR = (-6, -10)
 # A residual of 3e-13 left a momentum defect of 1e-8 where cells halve towards corners; refined, of 3e-11. Of
@@ -89,9 +90,11 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         """Factorise the matrix as it is now, of the same pattern. Raises SolveError: it is singular."""
         self._ksp.setOperators(self.matrix)  # or PETSc would not look at its values again
         status = _factorise(self._ksp)
-        if status in TOO_LITTLE_WORKSPACE:
+        for more in WORKSPACES[1:]:
+            if status not in TOO_LITTLE_WORKSPACE:
+                break
             self._ksp.destroy()
-            self._ksp = _solver(self.matrix, self._order, WORKSPACES[1])
+            self._ksp = _solver(self.matrix, self._order, more)
             status = _factorise(self._ksp)
         if status < 0:
             raise SolveError(f"MUMPS failed with INFOG(1) = {status}, {_meaning(status)}")
