@@ -211,7 +211,7 @@ def _check_cell(path: Path, sides: tuple[float, ...], vectors: Any) -> None:
     off = np.abs(counts - np.rint(counts)).max()
     if off > _SAME_SIZE or abs(np.linalg.det(np.rint(counts))) != 1.0:
         box = " x ".join(f"{side:.12g}" for side in sides)
-        fitting = toml_text(tuple(map(tuple, np.diag(sides).tolist())))
+        fitting = np.diag(sides).tolist()  # with all digits, to be copied
         raise _refusal(path, f"its box is {box}, but not that of domain.vectors; give vectors = {fitting}")
 
 
