@@ -144,4 +144,5 @@ def _usage(error: typer.TyperException) -> str:
         command = " ".join(["fsi", *(word for word in sys.argv[1:2] if word in PLACES)])
     else:
         command = context.command_path
-    return f"{error.format_message().rstrip('.')}; see {command} --help"
+    said = error.format_message().rstrip(".").replace("Value error, ", "")  # as Pydantic begins
+    return f"{said}; see {command} --help"

@@ -73,8 +73,12 @@ def test_rows_that_are_not_given_are_even_where_they_must_be(tmp_path: Path) -> 
 
 
 def test_spheres_fill_a_part_of_the_volume(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pack("simple-cubic", output=tmp_path / "spheres.json", number=8, cell="periodic")
+    """So it is printed and drawn; the picture, whose texts an SVG file has, names the plane that is seen."""
+    output, picture = tmp_path / "spheres.json", tmp_path / "spheres.svg"
+    pack("simple-cubic", output=output, picture=picture, number=8, cell="periodic")
     assert capsys.readouterr().out.startswith("8 bodies, volume fraction 0.4, ")
+    drawn = picture.read_text()
+    assert all(f"<!-- {text}" in drawn for text in ("N = 8, volume fraction 0.4,", "x (seen along y)", "z"))
 
 
 def test_the_help_names_what_may_be_given() -> None:
