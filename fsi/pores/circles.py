@@ -16,9 +16,9 @@ from fsi.pores.surfaces import CONTAINER, DISC, Bodies, Shapes
 
 _LEAST = 0.025  # radius of a circle beside a disc near a neck over the length of that
 _MOST = 200  # pores that one circle reaches into
-# Circles beside a body that lies across a neck, over its radius: where it nearly touches a container those
-# that have room are thousands of times smaller than it.
-_BESIDE = 2.0 ** np.arange(-12.0, 5.0, 0.5)
+# Radii of circles beside a body that lies across a neck, over its radius: where it nearly touches a container
+# those that have room are a hundred times smaller than it. Still smaller ones ask for ever smaller ones.
+_BESIDE = 2.0 ** np.arange(-7.0, 5.0, 0.5)
 
 
 class Circles(NamedTuple):
