@@ -16,9 +16,10 @@ from fsi.pores.surfaces import CONTAINER, DISC, Bodies, Shapes
 
 _LEAST = 0.025  # radius of a circle beside a disc near a neck over the length of that
 _MOST = 200  # pores that one circle reaches into
-# Radii of circles beside a body that lies across a neck, over its radius: where it nearly touches a container
-# those that have room are a hundred times smaller than it. Still smaller ones ask for ever smaller ones.
-_BESIDE = 2.0 ** np.arange(-7.0, 5.0, 0.5)
+# Radii of circles beside a body that lies across a neck, over its radius. In containers, which it may nearly
+# touch, there are smaller ones; elsewhere those would ask for ever smaller ones.
+_BESIDE = 2.0 ** np.arange(-5.0, 5.0, 0.5)
+_IN_CONTAINERS = 2.0 ** np.arange(-7.0, 5.0, 0.5)
 
 
 class Circles(NamedTuple):
@@ -95,7 +96,7 @@ def _beyond_neck(
     ex, ey = neck(shapes, a, b)
     length, r = np.hypot(ex, ey), shapes.radius[c[0]]
     x, y, rho = 0.0, 0.0, 0.0
-    for part in _BESIDE:
+    for part in _IN_CONTAINERS if shapes.kind[-1] == CONTAINER else _BESIDE:
         away = part * r
         u, v = c[1] + (r + away) * ey / length, c[2] - (r + away) * ex / length
         free = _covered(shapes, links, t, (u, v, away))[1]

@@ -120,9 +120,11 @@ def _filled(surfaces: BoundingSurfaces, wide: Wide, most: int) -> tuple[Bounding
     circles = circles_in_pores(surfaces.shapes(), links, flat=False)
     for _ in range(_ROUNDS):
         more, links, circles = _more(surfaces, links, circles, wide)
-        if more is surfaces or surfaces.discs > most:
+        if more is surfaces:
             break
         surfaces = more
+        if surfaces.discs > most:
+            break
     return surfaces, links
 
 
