@@ -17,7 +17,6 @@ from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.load import parse_case
 from fsi.meshes.errors import MeshError
 from fsi.observables.bars import Compared, DrivenBodies, step_errors
-from fsi.stokes.comparisons import Comparison, comparisons
 from fsi.stokes.resistance import _resistance, resistance_with_error
 from tests.exact_model import ExactInstant
 
@@ -60,99 +59,11 @@ def test_bars_hold_of_discs_far_smaller_than_others() -> None:
         assert off.max() < most
 
 
-LID, OPEN = {"top": [1.0, 0.0, 0.0]}, {"top": "open"}
-LATER = {"top": [{"times": [0.0, 1.0], "values": [0.0, 2.0]}, 0.0, 0.0]}
-JUMPING, OPENING = 1.5 / (1.0 - 1.5**-2.74), 1.5 / (1.0 - 1.5**-1.19)
-
-
-@pytest.mark.parametrize(
-    ("degree", "walls", "flows"),
-    [
-        (3, {}, [(2, 1.0, 0.25)]),
-        (2, {}, [(3, 1.0, 1.5)]),
-        (3, LID, [(2, 1.0, 0.25), (3, 1.5, JUMPING)]),
-        (2, LID, [(3, 1.0, 1.5), (2, 1.5, JUMPING)]),
-        (3, LATER, [(2, 1.0, 0.25), (3, 1.5, JUMPING)]),
-        (3, OPEN, [(2, 1.0, 0.25), (3, 1.5, OPENING)]),
-        (3, OPEN | {"left": [0.0, 0.0, 1.0]}, [(2, 1.0, 0.25), (3, 1.5, OPENING)]),
-    ],
-)
-def test_in_space_edges_with_jumps_are_compared_with_finer_ones(
-    degree: int, walls: dict[str, Any], flows: list[tuple[int, float, float]]
-) -> None:
-    """One degree fewer misses 9 to 50 times as much in gaps, finer cells beside edges 1.5^-p of it there."""
-    body = {"name": "ball", "radius": 0.5, "position": [1.5, 1.5, 1.5]}
-    case = parse_case(
-        {
-            "name": "x", "geometry": "spatial", "fluid": {"viscosity": 1.0}, "bodies": [body],
-            "domain": {"lower": [0.0] * 3, "upper": [3.0] * 3, "walls": walls},
-            "discretisation": {"degree": degree},
-        }
-    )  # fmt: skip
-    found = [(flow.degree, flow.finer, flow.factor) for flow in comparisons(case)]
-    np.testing.assert_allclose(found, flows, rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("around", "flow"), [(10, Comparison(2, 1.0, 0.25, 0.05, 0.3)), (9, Comparison(2, 1.0, 0.75, 0.6, 0.6))]
-)
-def test_on_coarse_meshes_in_space_fewer_degrees_tell_less(around: int, flow: Comparison) -> None:
-    """With less than ten cells around a sphere degree 2 may miss as little as degree 3."""
-    case = parse_case(
-        {
-            "name": "x", "geometry": "spatial", "fluid": {"viscosity": 1.0},
-            "bodies": [{"name": "ball", "radius": 0.5, "position": [1.5, 1.5, 1.5]}],
-            "domain": {"lower": [0.0] * 3, "upper": [3.0] * 3},
-            "discretisation": {"cells_per_circle": around},
-        }
-    )  # fmt: skip
-    assert comparisons(case) == (flow,)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1001, 1079, 1092])
 def test_bars_of_spheres_in_coarse_cells_hold(seed: int) -> None:
     """With the bars of finer meshes, and each value known to 0.03 of the largest, up to 9 times too short."""
     assert all(value.inside for value in values("spheres in a cell", seed))
-
-
-@pytest.mark.parametrize(
-    ("degree", "walls", "finer"), [(3, {}, 1.0), (4, {}, 1.0), (3, {"top": [1.0, 0.0]}, 2.0)]
-)
-def test_in_the_plane_one_degree_more_is_the_error(degree: int, walls: dict[str, Any], finer: float) -> None:
-    """It is 0.97 to 1.01 times the true one."""
-    case = parse_case(
-        {
-            "name": "x", "fluid": {"viscosity": 1.0},
-            "domain": {"lower": [0.0] * 2, "upper": [3.0] * 2, "walls": walls},
-            "bodies": [{"name": "disc", "radius": 0.5, "position": [1.5, 1.5]}],
-            "discretisation": {"degree": degree},
-        }
-    )  # fmt: skip
-    assert comparisons(case) == (Comparison(degree + 1, finer, 1.5),)
-
-
-@pytest.mark.parametrize(
-    ("degree", "shape", "flow"),
-    [
-        (2, {"kind": "ellipse", "axes": [0.6, 0.3]}, Comparison(4, 1.0, 1.5)),
-        (3, {"kind": "ellipse", "axes": [0.6, 0.3]}, Comparison(4, 1.0, 1.5)),
-        (2, {"kind": "stadium", "length": 0.5, "radius": 0.2}, Comparison(3, 1.0, 3.0, 0.3, 0.3)),
-    ],
-)
-def test_flows_beside_shapes_are_compared_with_what_tells_their_error(
-    degree: int, shape: dict[str, Any], flow: Comparison
-) -> None:
-    """Quadratic elements with quartic ones; where derivatives of an outline jump the bar is twice as long."""
-    case = parse_case(
-        {
-            "name": "x", "fluid": {"viscosity": 1.0},
-            "domain": {"lower": [0.0] * 2, "upper": [3.0] * 2},
-            "bodies": [{"name": "body", "shape": shape, "position": [1.5, 1.5]}],
-            "discretisation": {"degree": degree},
-        }
-    )  # fmt: skip
-    assert comparisons(case) == (flow,)
 
 
 @pytest.mark.slow
@@ -162,29 +73,6 @@ def test_bars_of_quadratic_elements_beside_shapes_hold() -> None:
     found = [value for kind, seed in cases for value in values(kind, seed)]
     assert all(value.inside for value in found)
     assert 0.6 < np.median([value.ratio for value in found]) < 0.75
-
-
-@pytest.mark.parametrize(
-    ("bodies", "sizes", "walls", "flow"),
-    [
-        (21, {}, {}, Comparison(3, 1.0, 0.25, 0.2, 0.2)),
-        (20, {}, {}, Comparison(5, 1.0, 1.5)),
-        (21, {"degree": 3}, {}, Comparison(4, 1.0, 1.5)),
-        (21, {}, {"top": [1.0, 0.0]}, Comparison(5, 2.0, 1.5)),
-    ],
-)
-def test_of_many_bodies_one_degree_less_tells_the_error(
-    bodies: int, sizes: dict[str, Any], walls: dict[str, Any], flow: Comparison
-) -> None:
-    """Of quartic elements, where data do not jump."""
-    discs = [{"name": f"{i}", "radius": 0.5, "position": [1.5 * i + 1.5, 1.5]} for i in range(bodies)]
-    case = parse_case(
-        {
-            "name": "x", "fluid": {"viscosity": 1.0}, "bodies": discs, "discretisation": sizes,
-            "domain": {"lower": [0.0] * 2, "upper": [40.0, 3.0], "walls": walls},
-        }
-    )  # fmt: skip
-    assert comparisons(case) == (flow,)
 
 
 @pytest.mark.slow

@@ -185,7 +185,7 @@ def test_flows_without_moving_bodies_have_a_velocity_to_compare_with(
 def test_errors_are_those_of_results_and_never_below_rounding() -> None:
     case = load_case(CASES / "disc_in_box.toml", ["discretisation.degree=2"])
     model, q = StokesModel(case), case.configuration()
-    better = model.of_degree(3, q, 0.0, case.motion(0.0))
+    better = model.of_degree(4, q, 0.0, case.motion(0.0))
     errors = model.errors(q, 0.0, better).errors
     assert not errors.U.any()
     np.testing.assert_allclose(errors.F[0], 1e-11 * np.abs(better.F).max(), rtol=1e-12)
