@@ -37,7 +37,9 @@ from fsi.stokes.solvers.refinement import correction
 ORDERS = {2: 2, 3: 5}
 # ICNTL(8): by the roots of the diagonal, where inner unknowns have left no zeros. It delays as few pivots and
 # leaves the same residuals as MUMPS's own choice, which goes over the matrix many times: a tenth of its time.
-SCALED_BY_DIAGONAL = 1
+# MUMPS leaves it out, without a word, where several ranks have rows of the matrix, and then delays three
+# quarters of the pivots of quintic elements and runs out of workspace: there it scales rows and columns.
+SCALED_BY_DIAGONAL, SCALED_BY_ROWS = 1, 7
 # Percent beyond MUMPS's estimate: many delayed pivots may need the second, and those of a free body in a
 # narrow gap, in the form with multipliers, the last.
 WORKSPACES = (30, 500, 5000)
@@ -213,7 +215,8 @@ def _solver(matrix: PETSc.Mat, order: int, workspace: int) -> PETSc.KSP:
     pc = ksp.getPC()
     pc.setFactorSetUpSolverType()
     factor = pc.getFactorMatrix()
-    for option, value in ((7, order), (8, SCALED_BY_DIAGONAL), (12, 1), (14, workspace)):
+    scaling = SCALED_BY_DIAGONAL if matrix.comm.size == 1 else SCALED_BY_ROWS
+    for option, value in ((7, order), (8, scaling), (12, 1), (14, workspace)):
         factor.setMumpsIcntl(option, value)
     # These handles hold references: undestroyed they leak megabytes a step in parallel.
     factor.destroy()
