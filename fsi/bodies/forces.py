@@ -16,6 +16,7 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
+from fsi.errors import SolveError
 from fsi.meshes.geometry.container import Container
 
 
@@ -56,13 +57,27 @@ def separations(q: Configuration, gaps: Gaps) -> Array:
 def external_forces(
     forces: Sequence[ForceLaw], q: Configuration, container: Container, bulk: Bulk, t: float
 ) -> Array:
-    """The sum of all forces on each body at time t, shape (N, d); the gaps of q are positive."""
+    """The sum of all forces on each body at time t, shape (N, d); the gaps of q are positive.
+
+    Raises SolveError: a law gives what is no finite number.
+    """
     total = np.zeros_like(q.centres)
-    for force in forces:
-        total += force.on_bodies(bulk, t)
+    for k, force in enumerate(forces):
+        F = force.on_bodies(bulk, t)
         if force.reach > 0.0:
-            total += between_bodies(force, q, container)
+            F = F + between_bodies(force, q, container)
+        total += finite(F, k, t)
     return total
+
+
+def finite(F: Array | float, k: int, t: float) -> Array | float:
+    """What the law forces.k gives at time t. Raises SolveError: it is no finite number."""
+    if not np.all(np.isfinite(F)):
+        raise SolveError(
+            f"forces.{k}: gives a force that is no finite number at t = {t:.9g}; correct this law for the "
+            "time and the gaps there"
+        )
+    return F
 
 
 def moment_of_forces(forces: Sequence[ForceLaw], q: Configuration, container: Container) -> Array:
@@ -83,9 +98,10 @@ def moment_of_forces(forces: Sequence[ForceLaw], q: Configuration, container: Co
 def between_bodies(force: ForceLaw, q: Configuration, container: Container) -> Array:
     """Forces of one law on each body, shape (N, d)."""
     gaps = find_gaps(q, container, force.reach)
-    push, total = _on_first(force, q, gaps), _from_walls(force, q, gaps, container).sum(axis=1)
-    np.add.at(total, gaps.pairs[:, 0], push)
-    np.add.at(total, gaps.pairs[:, 1], -push)
+    with np.errstate(invalid="ignore"):  # infinite forces are for `finite` to refuse
+        push, total = _on_first(force, q, gaps), _from_walls(force, q, gaps, container).sum(axis=1)
+        np.add.at(total, gaps.pairs[:, 0], push)
+        np.add.at(total, gaps.pairs[:, 1], -push)
     return total
 
 

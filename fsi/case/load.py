@@ -215,9 +215,12 @@ def _index(items: list[Any], part: str, key: str, text: str) -> int:
 def _toml_value(value: str, text: str) -> Any:
     try:
         parsed = plain(tomllib.loads(f"value = {value}"))
-    except (ValueError, RecursionError):
+    except (ValueError, RecursionError) as error:
         if re.fullmatch(_WORD, value):
             return plain(value)
+        if not isinstance(error, tomllib.TOMLDecodeError):  # whose places are not those in the text
+            reason = " ".join(str(error).split())
+            raise InputError(f"--set {text}: the value is not TOML: {reason}; correct it") from None
         parsed = {}
     if set(parsed) != {"value"}:
         raise InputError(f"--set {text}: the value is not TOML; {_REMEDY}, or '{_QUOTED}' for other text")

@@ -121,6 +121,9 @@ def _require_known(case: Case) -> None:
             raise refusal(
                 f"forces.{k}", force, "depends on the gap, and `fsi limit` knows forces in time; drop it"
             )
+        if force.weight(case.bulk()) is None:
+            here = "no weight, and `fsi limit` integrates tables; give bodies their force, or use `fsi run`"
+            raise refusal(f"forces.{k}", force, here)
 
 
 def _sum(terms: Sequence[tuple[float, float | Table]], end: float) -> PPoly:

@@ -11,7 +11,7 @@ from scipy.interpolate import PPoly
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, turned
-from fsi.bodies.forces import Bulk, between_bodies
+from fsi.bodies.forces import Bulk, between_bodies, finite
 from fsi.case.case import Case
 from fsi.case.gluey import ContactLaw, Gluey
 from fsi.case.series import Table, is_zero, polynomial
@@ -117,16 +117,20 @@ def gluey_system(case: Case) -> System:
     loads = _integrals(case, [(body.loads, held[i]) for i, body in enumerate(case.bodies)])
     bulk = Bulk(mass[:, 0], case.bulk().volumes)
     weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
+    weightless = [(k, force) for k, force in enumerate(case.forces) if force.weight(bulk) is None]
     gravities = [
         (heavy, [polynomial(part, case.timing.end).antiderivative() for part in acceleration])
         for heavy, acceleration in weights
     ]
 
     def impulse(t0: float, t1: float) -> Array:
-        load = loads(t0, t1)
+        load, free = loads(t0, t1), ~held[:, : case.dimension]
         for heavy, parts in gravities:
             g = np.array([float(part(t1) - part(t0)) for part in parts])
-            load[:, : case.dimension] += np.where(held[:, : case.dimension], 0.0, heavy[:, None] * g)
+            load[:, : case.dimension] += free * (heavy[:, None] * g)
+        middle = 0.5 * (t0 + t1)  # no integral is known of those forces
+        for k, force in weightless:
+            load[:, : case.dimension] += free * ((t1 - t0) * finite(force.on_bodies(bulk, middle), k, middle))
         return load
 
     films = SphereFilm if case.spheres else DiscFilm
@@ -224,7 +228,7 @@ def _integrals(
 
 def _forces(case: Case) -> Callable[[Array, float], Array] | None:
     """Of attraction and repulsion, also from the walls besides those of the domain; None without."""
-    acting = [force for force in case.forces if force.reach > 0.0]
+    acting = [(k, force) for k, force in enumerate(case.forces) if force.reach > 0.0]
     if not acting:
         return None
     radii, container = case.configuration().radii, case.container()
@@ -235,8 +239,9 @@ def _forces(case: Case) -> Callable[[Array, float], Array] | None:
         q = Configuration.unturned(centres, radii)
         to_planes = np.einsum("iwd,wd->iw", centres[:, None] - points, normals) - radii[:, None]
         total = np.zeros_like(centres)
-        for force in acting:
-            total += between_bodies(force, q, container.at(t)) + force.wall_repulsion(to_planes) @ normals
+        for k, force in acting:
+            F = between_bodies(force, q, container.at(t)) + force.wall_repulsion(to_planes) @ normals
+            total += finite(F, k, t)
         return free * total
 
     return forces

@@ -90,7 +90,10 @@ class Stepper:
         return Step(State(0.0, 0, q, U, h), instant, 0.0, 0)
 
     def advance(self, state: State) -> Step:
-        """One accepted step; a rejected one is cut. Raises SolveError below `smallest_step`."""
+        """One accepted step; a rejected one is cut.
+
+        Raises SolveError: it would be below `smallest_step`, or its error is no number.
+        """
         h, rejected, container = state.h, 0, self.container.at(state.t, state.q.strain)
         while True:
             h, approach = limited_step(state.q, container, state.U, h, self.gap_loss)
@@ -100,6 +103,11 @@ class Stepper:
             model = _Guarded(self.model, state.q, state.t, container, self.gap_loss)
             try:
                 trial = self.scheme.step(model, state, t_end)
+                if np.isnan(trial.error).any():
+                    raise SolveError(
+                        f"time.scheme: its error of the step to t = {t_end:.9g} is not a number; correct the "
+                        "scheme, or give another one"
+                    )
                 error = self._norm(state.q, state.t, trial.error)
                 factor = self._factor(error)
             except GapRefusedError as refusal:

@@ -11,7 +11,6 @@ it has beyond that, so that drag counts once. That of discs tends to zero.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import permutations
 from math import inf
 from pathlib import Path
 from typing import Literal
@@ -26,16 +25,16 @@ from fsi.errors import InputError, SolveError
 from fsi.lubrication.expansions import MODES, Mode, Shape, overlap_of, ratio_of
 from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError
 from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
+from fsi.reduced.overlaps import nodes, weights
 from fsi.reduced.possible_films import beside_walls, between_bodies
 
 # Below this gap, in reduced radii, a law is continued by its leading term in the logarithm of the gap: exact
 # for kappa ~ 1/d, whose gaps underflow, and never reached with kappa ~ d^(-3/2).
 _SMALLEST = 1e-150
-# Up to so many different films have a law each; of more, laws at so many k are interpolated: of spheres good
-# to 1e-10 with radii up to ten times as large as others, to 1e-8 up to fifty times (see the tests).
-_NODES = 14
-# Of k: films whose law is the same; of a law's own k: films for which it may be used.
-_SAME, _ALIKE = 1e-12, 1e-6
+# Of a law's own k: films for which it may be used.
+_ALIKE = 1e-6
+# Of the cutoff: so near to it kappa, a difference, may round to less than 0.
+_AT_END = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,38 +69,40 @@ class FilmLaw:
         laws: none where there can be no film.
         overlaps: k of each law, (m,).
         key: of the section [reduced], for messages.
+        cut: the gap from which on kappa is 0.
     """
 
     laws: tuple[LubricationLaw, ...]
     overlaps: Array
     key: str
+    cut: float = inf
 
     def each(self, method: Literal["kappa", "integral"], D: Array, films: Films) -> Array:
         """kappa or its integral at gaps D of films, (P,). Raises SolveError: it does not hold there."""
         try:
-            return self._each(method, D, films.radius, films.overlap)
+            values = self._each(method, D, films.radius, films.overlap)
         except RangeError as error:
             raise SolveError(f"reduced.{self.key}: {error} with reduced.extrapolate = true") from None
+        return self._not_negative(values, D) if method == "kappa" else values
+
+    def _not_negative(self, kappa: Array, D: Array) -> Array:
+        kappa = np.where((1.0 - _AT_END) * self.cut < D, np.maximum(kappa, 0.0), kappa)
+        for p in np.flatnonzero(~(kappa >= 0.0))[:1]:
+            raise SolveError(
+                f"reduced.{self.key}: the law has kappa = {kappa[p]:.6g} at the gap {D[p]:.6g}, and films "
+                "only resist; correct it, shorten reduced.cutoff, or drop reduced.extrapolate"
+            )
+        return kappa
 
     def _each(self, method: Literal["kappa", "integral"], D: Array, radius: Array, overlap: Array) -> Array:
         if len(self.laws) == 1:
             return np.asarray(getattr(self.laws[0].at(overlap), method)(D, radius))
         total = np.zeros(len(D))
-        for law, weight in zip(self.laws, self._weights(overlap), strict=True):
+        for law, weight in zip(self.laws, weights(overlap, self.overlaps), strict=True):
             here = np.flatnonzero(weight)
             if len(here):
                 total[here] += weight[here] * getattr(law, method)(D[here], radius[here])
         return total
-
-    def _weights(self, overlap: Array) -> Array:
-        """Lagrange's, (m, P); at the k of a law it alone has one."""
-        at_law = np.abs(overlap - self.overlaps[:, None]) <= _SAME
-        nodes = _root(self.overlaps)
-        away = _root(overlap) - nodes[:, None]
-        weights = np.ones_like(away)
-        for i, j in permutations(range(len(self.laws)), 2):
-            weights[i] *= away[j] / (nodes[i] - nodes[j])
-        return np.where(at_law.any(axis=0), at_law, weights)
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +206,7 @@ class _Asked:
 
     def law(self, otherwise: float) -> FilmLaw:
         """The law; one of any ratio at k = otherwise. Raises InputError."""
-        overlaps = _nodes(np.array(list(self.films) or [otherwise]))
+        overlaps = nodes(np.array(list(self.films) or [otherwise]))
         laws: list[LubricationLaw] = []
         entry = LAWS.get(self.name)
         if entry is None:
@@ -219,7 +220,9 @@ class _Asked:
         else:
             laws = [self._named(overlap) for overlap in overlaps.tolist()]
         cut = self.case.reduced.cutoff
-        return FilmLaw(tuple(laws if cut is None else [CutLaw(law, cut) for law in laws]), overlaps, self.key)
+        if cut is None:
+            return FilmLaw(tuple(laws), overlaps, self.key)
+        return FilmLaw(tuple(CutLaw(law, cut) for law in laws), overlaps, self.key, cut)
 
     @property
     def _shape(self) -> Shape:
@@ -275,19 +278,3 @@ class _Asked:
     @property
     def _here(self) -> str:
         return f'reduced.{self.key} = "{self.name}"'
-
-
-def _nodes(overlaps: Array) -> Array:
-    """These k, each once; of many the squares of Chebyshev's between the least and the greatest root."""
-    each = np.sort(overlaps)
-    each = each[np.diff(each, prepend=-np.inf) > _SAME]
-    if len(each) <= _NODES:
-        return each
-    low, high = _root(each[[0, -1]])
-    roots = 0.5 * (low + high) + 0.5 * (high - low) * np.polynomial.chebyshev.chebpts1(_NODES)
-    return np.asarray(roots * np.abs(roots))
-
-
-def _root(overlap: Array) -> Array:
-    """sqrt(k), in which laws of narrow and of wide films are alike smooth; negative inside a round wall."""
-    return np.copysign(np.sqrt(np.abs(overlap)), overlap)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
+from fsi.errors import SolveError
 from fsi.integration.schemes import BogackiShampine
 from fsi.integration.state import Instant, Model, Schedule, State, Trial
 from fsi.integration.stepper import Stepper
@@ -105,6 +106,14 @@ def test_the_next_step_is_that_of_a_third_order_estimate(errors: tuple[float, ..
     step = stepper.advance(start.state)
     assert step.rejected == len(errors) - 1
     assert step.state.h == pytest.approx(h, rel=1e-12)
+
+
+def test_an_estimate_that_is_no_number_is_the_fault_of_the_scheme() -> None:
+    """No step is short enough for it, and none below `smallest_step` would be."""
+    stepper = replace(in_a_large_box(drift), scheme=Estimated(math.nan), first_step=1.0)
+    start = stepper.start(Configuration(np.zeros((1, 2)), np.zeros(1), np.ones(1)))
+    with pytest.raises(SolveError, match=r"^time\.scheme: its error of the step to t = 1 is not a number;"):
+        stepper.advance(start.state)
 
 
 def circle(q: Configuration, _: float) -> Array:

@@ -9,7 +9,7 @@ import pytest
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
-from fsi.errors import InputError
+from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact, spheres, two_discs
 from fsi.lubrication.expansions import MODES, Shape
 from fsi.lubrication.named_laws import exact_resistance
@@ -54,7 +54,10 @@ def many_films(radii: Array) -> tuple[Films, Array, Array]:
 
 @pytest.mark.parametrize("gap", [1e-6, 0.1, 4.0, 300.0])
 def test_many_discs_have_the_law_of_each_pair(gap: float) -> None:
-    """50 radii from 1 to 50, less the law at the cutoff; polynomials in k are off by 1e-5, in rolling 5 %."""
+    """50 radii from 1 to 50, less the law at the cutoff; polynomials in k are off by 1e-5, in rolling 5 %.
+
+    Rolling of unlike discs is easier at some gap than at this cutoff, and refused there.
+    """
     radii = np.geomspace(1.0, 50.0, 50)
     bodies = [disc(f"d{i}", 120.0 * i, 0.0, a) for i, a in enumerate(radii.tolist())]
     given = {"drag": 1.0, "cutoff": 1e4, "shear_law": "exact", "rotation_law": "exact"}
@@ -62,10 +65,16 @@ def test_many_discs_have_the_law_of_each_pair(gap: float) -> None:
     laws, (films, a, b) = {"squeeze": make_laws(case), **make_tangential_laws(case)}, many_films(radii)
     resistances = (exact.relative_resistance, two_discs.sliding_resistance, two_discs.rolling_resistance)
     for mode, resistance in zip(MODES, resistances, strict=True):
-        kappa = laws[mode].kappa(np.full(len(a), log(gap)), films)
         expected = resistance(gap, a, b, 1.0) - resistance(1e4, a, b, 1.0)
+        resists = np.flatnonzero(expected > 0.0)
+        assert len(resists) == len(a) or (mode == "rotation" and gap > 1.0 and len(resists) >= len(radii))
+        kappa = laws[mode].kappa(np.full(len(resists), log(gap)), films.of(resists))
+        if len(resists) < len(a):
+            with pytest.raises(SolveError, match=r"^reduced\.rotation_law: .* shorten reduced\.cutoff"):
+                laws[mode].kappa(np.full(len(a), log(gap)), films)
         # each of two numbers may be off by some 1e-16, also where they are nearly the same
-        np.testing.assert_allclose(kappa, expected, rtol=1e-11, atol=1e-14 * resistance(gap, a, b, 1.0).max())
+        size = resistance(gap, a, b, 1.0).max()
+        np.testing.assert_allclose(kappa, expected[resists], rtol=1e-11, atol=1e-14 * size)
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from fsi.case.case import Case
 from fsi.case.law_file import LawFile, SeriesSection, TableSection, save_law
 from fsi.errors import InputError, SolveError
 from fsi.models import make_model
-from fsi.reduced.gap_laws import Films, make_laws
+from fsi.reduced.gap_laws import Films, make_laws, make_tangential_laws
 from tests.commands import fsi_command
 from tests.reduced_data import EQUAL, LARGE, PLANE, UNEQUAL, disc, reduced_case
 
@@ -111,11 +111,14 @@ def between(cutoff: float | None, gap: float = 0.05, **more: object) -> Case:
     return reduced_case(bodies, {"drag": 1.0, **cut, **more}, domain={"shape": "unbounded"})
 
 
-@pytest.mark.parametrize("cutoff", [6.0, 2.0001, 0.0019])
+@pytest.mark.parametrize("cutoff", [6.0, 2.0001, 2.0000002, 0.0019])
 def test_a_law_must_hold_at_the_cutoff(cutoff: float, tmp_path: Path) -> None:
-    """a_r = 2: s from 1e-3 to 1 are gaps from 0.002 to 2, whatever gaps there are."""
+    """a_r = 2: s from 1e-3 to 1 are gaps from 0.002 to 2, whatever gaps there are.
+
+    What is beyond by 1e-7 is printed with all its digits, not as the 2 that it may be.
+    """
     law = law_file(tmp_path, 1.0)
-    refusal = rf"^reduced\.cutoff = {cutoff:g}: reduced\.law = .* holds for gaps from 0\.002 to 2 of .*give a"
+    refusal = rf"^reduced\.cutoff = {cutoff!r}: reduced\.law = .* holds for gaps from 0\.002 to 2 of .*give a"
     with pytest.raises(InputError, match=refusal):
         between(cutoff, law=law)
     between(cutoff, law=law, extrapolate=True)
@@ -165,6 +168,31 @@ def test_a_calibrated_law_goes_on_beyond_its_range(
     law = series_file(tmp_path, CALIBRATED, 1.5)
     exact_one = between_unequal("exact", cutoff, gap)
     assert between_unequal(law, cutoff, gap) == pytest.approx(exact_one, rel=off)
+
+
+def test_a_film_only_resists(tmp_path: Path) -> None:
+    """1/s - 1e-6/s^2 is 1e7 - 1e8 at s = 1e-7, far below the range of the file, in which it is positive."""
+    law = series_file(tmp_path, {-1.0: 1.0, -2.0: -1e-6}, 1.0)
+    line = r"^reduced\.law: the law has kappa = -9e\+07 at the gap 3\.33.*e-08, and films only resist;"
+    with pytest.raises(SolveError, match=line):
+        between_unequal(law, None, 1e-7 / 3.0)
+
+
+def test_a_law_that_rounds_below_zero_at_the_cutoff_is_zero_there() -> None:
+    """1e-15 before it, where discs of radii 1 : 2 resist rolling by the difference of two like numbers.
+
+    A kappa of -1e-15 was taken for that of a rigid pair, as 1/kappa < 0 is less than any compliance.
+    """
+    laws = reduced_case(
+        [disc("a", 0.0, 0.0), disc("b", 0.0, 1.6, 0.5)],
+        {"law": "exact", "shear_law": "exact", "rotation_law": "exact", "drag": 1.0, "cutoff": 0.3},
+        domain={"shape": "unbounded"},
+    )
+    n = 1000
+    films = Films(np.full(n, 1.0 / 3.0), np.full(n, 2.0 / 9.0), np.zeros(n, dtype=bool))
+    gaps = 0.3 * (1.0 - np.geomspace(1e-16, 1e-12, n))
+    kappa = make_tangential_laws(laws)["rotation"].kappa(np.log(gaps), films)
+    assert 0.0 <= kappa.min() < kappa.max() < 1e-9
 
 
 def test_beside_a_plane_a_law_must_hold_at_the_cutoff_for_the_smallest_disc(tmp_path: Path) -> None:

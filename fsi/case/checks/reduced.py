@@ -146,7 +146,7 @@ def _check_cutoff(case: Case) -> None:
         low, high = smallest * a_r.max(initial=0.0), largest * a_r.min(initial=np.inf)
         if not (1.0 - ROUNDING) * low <= cutoff <= (1.0 + ROUNDING) * high and not case.reduced.extrapolate:
             raise InputError(
-                f"reduced.cutoff = {cutoff:g}: {here} holds for gaps from {low:.6g} to {high:.6g} of these "
+                f"reduced.cutoff = {cutoff!r}: {here} holds for gaps from {low:.6g} to {high:.6g} of these "
                 "bodies; give a cutoff among them, or reduced.extrapolate = true"
             )
 

@@ -258,6 +258,7 @@ def _check_forces(case: Case) -> None:
     heavy = case.model == "gluey" or any(body.mass is not None for body in case.bodies)
     for k, force in enumerate(case.forces):
         force.require_fit(f"forces.{k}", case.container(), heavy=heavy)
+        force.require_reach(f"forces.{k}", case.container())
 
 
 def _check_files(case: Case) -> None:

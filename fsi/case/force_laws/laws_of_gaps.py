@@ -10,16 +10,13 @@ from pydantic import Field, model_validator
 
 from fsi.arrays import Array
 from fsi.case.force_laws.law import KINDS, ForceSection, register_force
-from fsi.case.section import Positive, toml_text
+from fsi.case.section import Positive
 from fsi.case.series import Increasing, require_pairs
 from fsi.errors import InputError
-from fsi.meshes.geometry.container import Container
 
 
 class BetweenSurfaces(ForceSection):
     """A force along the line of centres, on each of two bodies, that depends on their gap d."""
-
-    reach_key: ClassVar[str]  # which says where the force ends
 
     kind: Literal["attraction", "repulsion"] = Field(description=KINDS)
     law: str
@@ -46,15 +43,6 @@ class BetweenSurfaces(ForceSection):
     def wall_repulsion(self, d: Array) -> Array:
         """The same, if it acts from walls at all."""
         return self.repulsion(d) if self.walls else np.zeros_like(d)
-
-    @override
-    def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
-        """A law of the gap ends where bodies and their images are no longer looked for."""
-        if self.reach > container.image_reach:
-            raise InputError(
-                f"{key}.{self.reach_key} = {toml_text(getattr(self, self.reach_key))}: reaches farther than "
-                f"the periodic domain is large; end it at a gap of {container.image_reach:.6g} or less"
-            )
 
 
 class _CutOff(BetweenSurfaces):
