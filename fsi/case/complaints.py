@@ -42,6 +42,9 @@ def _explain_one(mistake: ErrorDetails, path: tuple[int | str, ...], meaning: st
         known = ", ".join(dotted((*path, word)) for word in mistake["ctx"]["known"])
         remedy = f"use {known} or drop it" if known else "drop it"
         return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; {remedy}"
+    if mistake["type"] == "unknown_word":
+        key, remedy = mistake["ctx"]["key"], mistake["ctx"]["remedy"]
+        return f"{dotted((*path, key))} = {toml_text(given[key])}: {mistake['msg']}; {remedy}"
     remedy = f"give {meaning}"
     if mistake["type"] == "missing":
         return f"{dotted(path)}: missing; {remedy}"

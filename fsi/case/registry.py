@@ -6,6 +6,7 @@ registered by a decorator, also from outside this package.
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import import_module
@@ -13,9 +14,12 @@ from pkgutil import iter_modules
 from typing import Any, ClassVar, Literal, get_args, get_origin, override
 
 from pydantic import ValidationInfo
+from pydantic_core import PydanticCustomError
 
 from fsi.case.section import Section
 from fsi.errors import refuse_taken
+
+_ALIKE = 0.75  # of 1, of a misspelt word and the one that is meant
 
 
 @cache
@@ -83,10 +87,23 @@ class Registry[S: Section]:
 
         return max(self.all(), key=fit)
 
+    def _require_known(self, word: Any) -> None:
+        """Raise pydantic's error for a word at the key that no section has: it explains unknown keys."""
+        fields = [section.model_fields.get(self.key) for section in self.all()]
+        words = [known for field in fields if field is not None for known in get_args(field.annotation)]
+        if word in words:
+            return
+        meant = difflib.get_close_matches(str(word), words, n=1, cutoff=_ALIKE)
+        own = "" if meant else "; one of your own must be registered first (docs/layout.md)"
+        context = {"key": self.key, "remedy": f"give {self.choices}{own}"}
+        raise PydanticCustomError("unknown_word", "not one of the choices", context)
+
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         """The section that nested dictionaries describe; what is a section already stays."""
         if isinstance(value, tuple(self.all())):
             return value
+        if isinstance(value, dict) and self.key in value:
+            self._require_known(value[self.key])
         section = self.section_for(value) if isinstance(value, dict) else self.all()[0]
         return section.model_validate(value, context=info.context)
 

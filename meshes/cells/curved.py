@@ -126,10 +126,10 @@ class _Bend:
         self.row[self.side] = np.arange(len(self.side))
         self.a, self.b = vertices[ends[:, 0]], vertices[ends[:, 1]]
         self.tags = straight.tags[curved]
-        self.centre = _centres(self.tags, self.a, curves)
+        self.centre = _centres(self.tags, (self.a, self.b), curves)
         self.side_element = along_side(order)
         self.values = self._arc_minus_chord(self.side_element.points[:, 0])
-        self.values[np.isnan(self.centre[:, 0])] = 0.0  # of a wall with a shape the straight rest
+        self.values[np.isnan(self.centre[:, 0])] = 0.0  # the straight rest of a wall
         bodies = {curve.tag: list[Placed]() for curve in curves if curve.body is not None}
         for curve in curves:
             if curve.body is not None:
@@ -183,25 +183,36 @@ def _image_of(images: Sequence[Placed], *ends: Array) -> Indices:
     return np.argmin(off, axis=0)
 
 
-def _centres(tags: Indices, x: Array, curves: Sequence[Curve]) -> Array:
-    """Centres of the circles through points x (n, 2) on curves of the given tags, (n, 2).
+def _centres(tags: Indices, ends: tuple[Array, Array], curves: Sequence[Curve]) -> Array:
+    """Centres of the circles that sides with these ends (n, 2) on curves of the given tags follow, (n, 2).
 
-    Where a periodic domain is opened, arcs of a body lie around several of its images: the nearest is meant.
+    Where a periodic domain is opened, arcs of a body lie around several of its images, and a wall may have
+    several arcs: that is meant which both ends are on. NaN for the straight pieces of a wall.
     """
-    circles = [(curve.tag, curve.centre) for curve in curves if curve.centre is not None]
-    of = np.array([tag for tag, _ in circles], dtype=np.int64)
-    centres = np.array([centre for _, centre in circles]).reshape(-1, 2)
+    arcs = [(curve.tag, curve.centre, curve.nodes) for curve in curves if curve.centre is not None]
+    of = np.array([tag for tag, _, _ in arcs], dtype=np.int64)
+    circles = np.array([[*centre, _radius(centre, nodes)] for _, centre, nodes in arcs]).reshape(-1, 3)
     images = np.bincount(of, minlength=int(tags.max(initial=0)) + 1)
     # By tag and image, infinitely far where there are fewer.
     order, first = np.argsort(of, kind="stable"), np.cumsum(images) - images
-    of_tag = np.full((len(images), int(images.max(initial=1)), 2), np.inf)
-    of_tag[of[order], np.arange(len(of)) - first[of[order]]] = centres[order]
-    centre: Array = np.where((images > 0)[:, None], of_tag[:, 0], np.nan)[tags]
-    some = np.flatnonzero(images[tags] > 1)
-    there = of_tag[tags[some]]
-    nearest = np.argmin(np.hypot(*np.moveaxis(x[some, None] - there, -1, 0)), axis=1)
-    centre[some] = there[np.arange(len(some)), nearest]
+    of_tag = np.tile([np.inf, np.inf, 0.0], (len(images), int(images.max(initial=1)), 1))
+    of_tag[of[order], np.arange(len(of)) - first[of[order]]] = circles[order]
+    centre: Array = np.where((images > 0)[:, None], of_tag[:, 0, :2], np.nan)[tags]
+    mixed = np.isin(tags, [curve.tag for curve in curves if curve.centre is None and curve.body is None])
+    some = np.flatnonzero((images[tags] > 1) | (mixed & (images[tags] > 0)))
+    there, radius = of_tag[tags[some], :, :2], of_tag[tags[some], :, 2]
+    away = [np.hypot(*np.moveaxis(x[some, None] - there, -1, 0)) - radius for x in ends]
+    off = np.abs(away).max(axis=0)
+    rows, nearest = np.arange(len(some)), off.argmin(axis=1)
+    centre[some] = there[rows, nearest]
+    straight = mixed[some] & (off[rows, nearest] > ON_OUTLINE * radius[rows, nearest])
+    centre[some[straight]] = np.nan
     return centre
+
+
+def _radius(centre: Array, nodes: Array) -> float:
+    """Of a circle around a centre through nodes (n, 2); 0 where the centre alone is known."""
+    return float(np.hypot(*(nodes[0] - centre))) if len(nodes) else 0.0
 
 
 def _inner_nodes(corners: Array, inner: Array, sides: Indices, side_numbers: Indices, bend: _Bend) -> Array:

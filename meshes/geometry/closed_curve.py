@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.meshes.geometry.jets import Jet, JetOf, cross
+from fsi.meshes.geometry.jets import Jet, JetOf, cross, inconsistency
 
 if TYPE_CHECKING:
     import scipy
@@ -24,6 +24,7 @@ THIN = 0.2  # longest piece over area / diameter, so that the two sides of a thi
 ROUNDS = 40
 MOST = 20_000  # pieces, beyond which nothing is made finer
 NEWTON = 60
+ROUNDING = 5e-16  # of t
 NEIGHBOURS = 16  # of a point in the sample
 AT_JOINT = 1e-6  # of the curve: a place so near to a joint is there
 
@@ -100,6 +101,11 @@ class ClosedCurve:
         x = self.sample.x
         return float(np.hypot(*(np.roll(x, -1, axis=0) - x).T).max())
 
+    @cached_property
+    def inconsistency(self) -> float:
+        """Of its derivatives with its points, on the sample."""
+        return inconsistency(self.jet, np.append(self.t, 1.0))
+
     def snapped(self, t: float) -> float:
         """The joint at which t is, or t itself."""
         away = [abs((t - joint + 0.5) % 1.0 - 0.5) for joint in self.joints]
@@ -153,13 +159,17 @@ class ClosedCurve:
         return t
 
     def _nearest_beside(self, x: Array, i: Indices) -> Array:
-        """The nearest points between the neighbours of points i of the sample, by Newton's method."""
+        """The nearest points between the neighbours of points i of the sample, by Newton's method.
+
+        Where its first step leads out, it goes on beside that end: if the distance falls all along, the
+        nearest point is there, and halving would take forty rounds to it.
+        """
         slope = ((self.sample.x[i] - x) * self.sample.dx[i]).sum(axis=1)
         closed = np.concatenate([[self.t[-1] - 1.0], self.t, [1.0]])
         here = closed[i + 1]
         low, high = np.where(slope > 0.0, closed[i], here), np.where(slope > 0.0, here, closed[i + 2])
         t = 0.5 * (low + high)
-        for _ in range(NEWTON):
+        for k in range(NEWTON):
             curve = self.jet(t)
             off = curve.x - x
             slope = (off * curve.dx).sum(axis=1)
@@ -168,10 +178,11 @@ class ClosedCurve:
                 step = slope / ((curve.dx**2).sum(axis=1) + (off * curve.ddx).sum(axis=1))
                 tried = t - step
             outside = ~((tried >= low) & (tried <= high)) | (step == 0.0)
-            after = np.where(outside, 0.5 * (low + high), tried)
+            beside = np.where(tried > high, high - ROUNDING, low + ROUNDING)
+            after = np.where(outside, 0.5 * (low + high) if k else beside, tried)
             after = np.where(slope == 0.0, t, after)
             moved, t = np.abs(after - t).max(initial=0.0), after
-            if moved < 1e-15:
+            if moved < 2.0 * ROUNDING:
                 break
         nearest: Array = t
         return nearest

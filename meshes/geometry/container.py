@@ -8,7 +8,8 @@ An axisymmetric container is a meridian half-plane: points are (r, z) with r >= 
 axis, which is no wall.
 
 One more shape in the plane is one more class beside those of `containers`: `walls`, `distances`, `normals`,
-`size`, `volume` and `outline` are all that it must say. A section of the case file makes it
+`size`, `volume` and `outline` are all that it must say where walls are straight; of round walls also
+`spheres`, of others that are curved `plane`, `bends` and `waves`. A section of the case file makes it
 (`fsi.case.domains`).
 """
 

@@ -1,7 +1,7 @@
 """The curves that bound a container in the plane, piece by piece: straight ones and arcs of circles."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -158,11 +158,12 @@ def stretched(curve: WallCurve, factor: float) -> WallCurve:
     """The piece with all lengths times a factor, places along it too."""
     start, end = (factor * s for s in curve.interval)
     centre = None if curve.centre is None else factor * curve.centre
+    solid = None if curve.solid is None else curve.solid.scaled(factor)
 
     def at(s: Array) -> Array:
         return factor * curve.at(s / factor)
 
-    longest = factor * curve.longest_element
-    return replace(
-        curve, interval=(start, end), at=at, ends=factor * curve.ends, longest_element=longest, centre=centre
+    longest, ends = factor * curve.longest_element, factor * curve.ends
+    return WallCurve(
+        curve.wall, (start, end), at, ends, longest, curve.fewest_elements, centre=centre, solid=solid
     )

@@ -34,6 +34,10 @@ class Placed:
         """The same body around another centre (2,)."""
         return Placed(self.outline, centre, self.angle)
 
+    def scaled(self, factor: float) -> Placed:
+        """The same with all lengths times the factor, its place too."""
+        return Placed(self.outline.scaled(factor), factor * self.centre, self.angle)
+
     @property
     def inside(self) -> Array:
         """A point inside, (2,)."""

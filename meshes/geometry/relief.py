@@ -181,6 +181,13 @@ class Relief:
             yield segment(self.wall, x[-1], straight.ends[1])
 
 
+def close_places(heights: Heights) -> Array:
+    """Places along a curve of heights between which it turns by little, ascending, both ends among them."""
+    (begin, end), (outline, _) = heights.interval, _solid(heights)
+    on_top = outline.t[outline.t < TOP]
+    return np.append(begin, end - (end - begin) / TOP * on_top[::-1])
+
+
 def _solid(heights: Heights) -> tuple[Outline, float]:
     """The outline below a curve of heights, counterclockwise, so from its end to its beginning; its depth."""
     (begin, end), rate = heights.interval, (heights.interval[1] - heights.interval[0]) / TOP

@@ -69,6 +69,20 @@ class Stretched(DerivedContainer):
         return tuple(s and Sphere(larger * s.centre, larger * s.radius) for s in self.inner.spheres)
 
     @property
+    def plane(self) -> tuple[bool, ...]:
+        """As before."""
+        return self.inner.plane
+
+    @property
+    def waves(self) -> tuple[float, ...]:
+        """Times the factor."""
+        return tuple(self.factor * wave for wave in self.inner.waves)
+
+    def bends(self, x: Array) -> Array:
+        """Times the factor, shape (n, walls)."""
+        return self.factor * self.inner.bends(x / self.factor)
+
+    @property
     def periods(self) -> Array:
         """Times the factor."""
         return self.factor * self.inner.periods

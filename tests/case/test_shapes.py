@@ -58,7 +58,8 @@ def test_a_case_with_shapes_is_written_and_read_again() -> None:
 @pytest.mark.parametrize(
     ("shape", "message"),
     [
-        ({"kind": "elipse", "axes": [2.0, 1.0]}, r'shape\.kind = "elipse": .*"ellipse".*"tip"'),
+        ({"kind": "elipse", "axes": [2.0, 1.0]}, r'shape\.kind = "elipse": .*"ellipse".*"tip"$'),
+        ({"kind": "egg", "a": 1.0}, r'kind = "egg": .*"tip"; one of your own must be registered first'),
         ({"kind": "ellipse", "axes": [2.0, 0.0]}, r"shape\.axes.* = 0\.0: must be greater than 0"),
         ({"kind": "ellipse", "axis": 1.0}, r"shape\.axis = 1\.0: unknown key; use bodies\.0\.shape\.axes"),
         ({"kind": "tip", "radius": 1.0, "alpha": 1.0, "length": 2.0}, "flatter than the disc"),

@@ -1,6 +1,8 @@
 """Curved cells: where their nodes are."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import basix
 import numpy as np
@@ -9,7 +11,8 @@ import pytest
 from fsi.arrays import Array
 from fsi.case.shapes.ellipse import Ellipse
 from fsi.meshes.cells.curved import EDGES, CurvedCells, curve, reference_points
-from fsi.meshes.geometry.container import FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
+from fsi.meshes.geometry.curves import WallCurve, arc, segment
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.triangulate import triangulate
@@ -94,3 +97,85 @@ def test_the_numbers_of_vertices_move_no_node(order: int) -> None:
     )
     one, other = (curve(each, curves, order) for each in (straight, renumbered))
     np.testing.assert_allclose(other.nodes[other.cells], one.nodes[one.cells], rtol=0, atol=1e-13)
+
+
+@dataclass(frozen=True, slots=True)
+class OneWall(Container):
+    """A container with one wall of several pieces."""
+
+    pieces: tuple[WallCurve, ...]
+    walls: ClassVar[tuple[str, ...]] = ("rim",)
+    volume: ClassVar[float] = 0.0  # not asked for
+
+    def outline(self) -> tuple[WallCurve, ...]:
+        return self.pieces
+
+    def distances(self, x: Array) -> Array:
+        assert len(x) == 0  # nothing else is asked for without bodies
+        return np.empty((0, 1))
+
+    def normals(self, x: Array) -> Array:
+        return np.empty((len(x), 1, 2))
+
+    def size(self) -> float:
+        return 3.0
+
+
+def around(y: float, radius: float, start: float, end: float, x: float = 0.0) -> WallCurve:
+    """The arc around (x, y) between two angles."""
+    piece, centre = arc(0, radius, start, end), np.array([x, y])
+    return replace(piece, at=lambda s: centre + piece.at(s), ends=centre + piece.ends, centre=centre)
+
+
+def stadium() -> tuple[WallCurve, ...]:
+    """Around the points 1 from a line of length 0.6."""
+    turn = 0.5 * np.pi
+    right, left = around(0.0, 1.0, -turn, turn, 0.3), around(0.0, 1.0, turn, 3.0 * turn, -0.3)
+    return segment(0, (-0.3, -1.0), (0.3, -1.0)), right, segment(0, (0.3, 1.0), (-0.3, 1.0)), left
+
+
+def off_stadium(x: Array) -> Array:
+    return np.asarray(np.hypot(x[:, 0] - np.clip(x[:, 0], -0.3, 0.3), x[:, 1]) - 1.0)
+
+
+def cut_disc() -> tuple[WallCurve, ...]:
+    """The unit disc above y = -1/2: pieces of the chord have both ends as far from the centre."""
+    above = around(0.0, 1.0, -np.pi / 6.0, 7.0 * np.pi / 6.0)
+    return above, replace(segment(0, above.ends[1], above.ends[0]), fewest_elements=5)
+
+
+def off_cut_disc(x: Array) -> Array:
+    return np.asarray(np.minimum(np.abs(np.hypot(*x.T) - 1.0), np.abs(x[:, 1] + 0.5)))
+
+
+def lens() -> tuple[WallCurve, ...]:
+    """Half the unit circle, and below it an arc around (0, 1/2): nearer to points is the other's centre."""
+    turn = np.arctan(0.5)
+    above, below = around(0.0, 1.0, 0.0, np.pi), around(0.5, np.sqrt(1.25), np.pi + turn, 2.0 * np.pi - turn)
+    return above, replace(below, ends=above.ends[::-1])
+
+
+def off_lens(x: Array) -> Array:
+    above, below = np.hypot(*x.T) - 1.0, np.hypot(x[:, 0], x[:, 1] - 0.5) - np.sqrt(1.25)
+    return np.asarray(np.where(x[:, 1] > 0.0, above, below))
+
+
+@pytest.mark.parametrize(
+    ("pieces", "off"),
+    [(stadium(), off_stadium), (cut_disc(), off_cut_disc), (lens(), off_lens)],
+    ids=["stadium", "cut disc", "lens"],
+)
+def test_each_piece_of_a_wall_follows_its_own_circle_or_none(
+    pieces: tuple[WallCurve, ...], off: Callable[[Array], Array]
+) -> None:
+    """All sides of a wall were bent around the nearest centre of an arc: 0.03, 0.13 and 0.12 off."""
+    curves = boundary(FluidDomain(OneWall(pieces), np.empty((0, 2)), np.empty(0)), Resolution())
+    order = 3
+    made = curve(triangulate(curves), curves, order)
+    on_wall = {tuple(edge) for edge in np.sort(made.edges, axis=1).tolist()}
+    t, vertices = lobatto(order), np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    for e in EDGES:
+        mine = [k for k, c in enumerate(made.cells) if tuple(sorted(c[list(e)].tolist())) in on_wall]
+        points = vertices[e[0]] * (1.0 - t)[:, None] + vertices[e[1]] * t[:, None]
+        x = map_at(made.nodes[made.cells[mine]], order, points)
+        np.testing.assert_allclose(off(x.reshape(-1, 2)), 0.0, atol=1e-12)

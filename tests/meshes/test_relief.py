@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -11,10 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
+from fsi.arrays import Array
 from fsi.case.profiles.profile import WallProfile
 from fsi.case.profiles.tip import TipOfWall
 from fsi.case.profiles.wave import Wave
 from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.jets import Jet
 from fsi.meshes.geometry.shaped import ShapedWalls
 
 BOX = Box((-3.0, 0.0), (3.0, 4.0))
@@ -51,6 +54,25 @@ def test_distances_are_those_of_the_nearest_of_many_points(name: str, seed: int)
     fluid = (x[:, 1] > np.interp(x[:, 0], *wall.T)) & (np.abs(x[:, 0]) < 3.0)
     np.testing.assert_allclose(distance[fluid], brute[fluid], atol=1e-4)
     assert np.all(distance[~fluid & (brute > 1e-4) & (np.abs(x[:, 0]) < 3.0)] < 0.0)
+
+
+def test_the_nearest_point_takes_few_rounds() -> None:
+    """Two searches of five points each; beside other points of the sample one took 41 rounds by halving."""
+    (piece, *_) = (curve for curve in box(WAVE).outline() if curve.solid is not None)
+    assert piece.solid is not None
+    outline, places = piece.solid.outline, list[int]()
+
+    def counted(t: Array) -> Jet:
+        places.append(len(t))
+        return outline.formula(t)
+
+    x = np.array([(-1.1, 1.2), (-0.7, 0.9), (0.1, 2.5), (2.0, 3.0), (-2.9, 0.5)]) - piece.solid.centre
+    found = replace(outline, formula=counted)
+    assert len(found.t) > 100
+    places.clear()
+    t = found.nearest(x)
+    assert len(places) <= 16
+    np.testing.assert_array_equal(t, outline.nearest(x))
 
 
 @pytest.mark.parametrize("name", PROFILES)

@@ -6,12 +6,14 @@ import numpy as np
 
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
+from fsi.case.checks.walls import check_walls
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 
 
 def check_shapes(case: Case) -> None:
     """Raise InputError, which names the first shape, where what is asked for knows none."""
+    check_walls(case)
     if case.domain.profiled:
         _check_walls(case)
     if not all(sphere is None or sphere.bends_all_ways for sphere in case.container().spheres):

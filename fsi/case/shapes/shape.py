@@ -18,7 +18,7 @@ from fsi.case.registry import Registered, Registry
 from fsi.case.section import Geometry, told
 from fsi.meshes.geometry.closed_curve import FEWEST
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
-from fsi.meshes.geometry.jets import ArcChain, JetOf
+from fsi.meshes.geometry.jets import CONSISTENT, ArcChain, JetOf
 from fsi.meshes.geometry.outline import Outline
 
 if TYPE_CHECKING:
@@ -61,6 +61,8 @@ class AnyShape(Registered):
 
 
 SMALLEST = 1e-60  # size of a shape, whose fourth power is a number
+CLOSED = 1e-6  # of its size: so near to each other its ends are one
+BEFORE_END = float(np.nextafter(1.0, 0.0))  # the last t: a formula may count it around
 
 
 class BodyShape(AnyShape):
@@ -100,9 +102,16 @@ class BodyShape(AnyShape):
     @override
     def check(self) -> None:
         with np.errstate(all="ignore"):
-            size = float(np.ptp(self.curve()(np.linspace(0.1, 0.9, 9)).x, axis=0).max())
+            x = self.curve()(np.linspace(0.0, BEFORE_END, 11)).x
+        size = float(np.ptp(x, axis=0).max())
         if not SMALLEST < size < 1.0 / SMALLEST:
             raise ValueError("is too small or too large for numbers; give lengths in another unit")
+        if np.hypot(*(x[-1] - x[0])) > CLOSED * size:
+            raise ValueError("does not close; give a curve whose points at t = 0 and t = 1 are the same")
+        with np.errstate(all="ignore"):
+            inconsistency = self.outline.inconsistency
+        if not inconsistency <= CONSISTENT:
+            raise ValueError("has derivatives that are not those of its points; correct its curve")
         if not self.outline.is_resolved:
             raise ValueError("is too slender or too jagged; give one that is rounder")
         if self.outline.area <= 0.0:
