@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -71,7 +72,7 @@ def circle(radius: float) -> JetOf:
     return polar(lambda theta: (np.full_like(theta, radius), 0.0 * theta, 0.0 * theta))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ArcChain:
     """Straight pieces and arcs, one after the other with the same tangent: a curvature for each piece.
 
@@ -87,23 +88,36 @@ class ArcChain:
     start: Array
     heading: float
 
-    @property
+    @cached_property
     def joints(self) -> tuple[float, ...]:
         """Where the pieces begin, over the whole length."""
-        ends = np.cumsum(self.lengths)
-        return (0.0, *(ends[:-1] / ends[-1]).tolist())
+        return tuple((self._begins / self._whole).tolist())
+
+    @cached_property
+    def _whole(self) -> float:
+        return float(np.cumsum(self.lengths)[-1])
+
+    @cached_property
+    def _begins(self) -> Array:
+        return np.append(0.0, np.cumsum(self.lengths)[:-1])
+
+    @cached_property
+    def _headings(self) -> Array:
+        """At the beginnings of the pieces."""
+        return self.heading + np.append(0.0, np.cumsum(self.curvatures * self.lengths)[:-1])
+
+    @cached_property
+    def _starts(self) -> Array:
+        """Points where the pieces begin, (n, 2)."""
+        chords = _chord(self.lengths, self.curvatures, self._headings)
+        return np.asarray(self.start + np.vstack([np.zeros(2), np.cumsum(chords, axis=0)[:-1]]))
 
     def __call__(self, t: Array) -> Jet:
         """The points and derivatives at t; t counts the length."""
-        ends = np.cumsum(self.lengths)
-        begins, whole = np.append(0.0, ends[:-1]), float(ends[-1])
-        headings = self.heading + np.append(0.0, np.cumsum(self.curvatures * self.lengths)[:-1])
-        starts = self.start + np.vstack(
-            [np.zeros(2), np.cumsum(_chord(self.lengths, self.curvatures, headings), axis=0)[:-1]]
-        )
-        k = np.clip(np.searchsorted(begins, t * whole, side="right") - 1, 0, len(ends) - 1)
-        s, kappa = t * whole - begins[k], self.curvatures[k]
-        x, turned = starts[k] + _chord(s, kappa, headings[k]), headings[k] + kappa * s
+        along, whole = t * self._whole, self._whole
+        k = np.clip(np.searchsorted(self._begins, along, side="right") - 1, 0, len(self.lengths) - 1)
+        s, kappa, heading = along - self._begins[k], self.curvatures[k], self._headings[k]
+        x, turned = self._starts[k] + _chord(s, kappa, heading), heading + kappa * s
         tangent = np.column_stack([np.cos(turned), np.sin(turned)])
         normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
         return Jet(x, whole * tangent, whole**2 * kappa[:, None] * normal)
