@@ -78,7 +78,7 @@ class Solution:
 
     Attributes:
         case: what was solved; with a tolerance the refined one, but of pores, refined one by one, that given.
-        instant: velocities U and external loads F, shape (N, M), and what the model knows besides.
+        instant: velocities U and external loads F, shape (N, M), read-only, and what the model knows besides.
         errors: estimated errors of U and F, of the dissipation, the apparent viscosity, dp_dx and flux; None
             of a model without a flow.
     """
@@ -87,6 +87,10 @@ class Solution:
     instant: Instant
     errors: ErrorEstimate | None
     _given: Case  # that `fsi resistance` refines: R needs other sizes than the flow
+
+    def __post_init__(self) -> None:
+        """Let nobody write to what the bodies' velocities and forces are made of."""
+        self.instant.U.flags.writeable = self.instant.F.flags.writeable = False
 
     @property
     def bodies(self) -> tuple[BodySolution, ...]:
@@ -183,8 +187,7 @@ class Solution:
 
     def __repr__(self) -> str:
         """What it is, in one line, and a line for each of the first bodies."""
-        d = self.case.dimension
-        what = f"{self.case.model}, {len(self.bodies)} bodies in {d} dimensions"
+        what = f"{self.case.model}, {len(self.bodies)} bodies in {self.case.dimension} dimensions"
         lines = [f"<Solution of {self.case.name!r}: {what}, dissipation {self.dissipation:.8g}>"]
         with np.printoptions(precision=6, suppress=False):
             for body in self.bodies[:5]:
@@ -262,7 +265,7 @@ def calibrate(case: Case, folder: Path | str, processes: int = 1) -> Calibration
 
     Args:
         case: with a section [calibration].
-        folder: for the law; samples that are there already are not computed again.
+        folder: for the law; samples that are there are not computed again, unless code has changed.
         processes: how many of this machine work on different samples.
 
     Raises:
@@ -277,10 +280,7 @@ def calibrate(case: Case, folder: Path | str, processes: int = 1) -> Calibration
     return calibrate_case(case, case.name, folder, Sampling(folder / "samples", processes))
 
 
-def _follow(
-    callback: Callable[[StepRecord], None],
-    launch: Callable[[Callable[[StepRecord], None], MakeEvolution], Any],
-) -> None:
+def _follow(callback: Progress, launch: Callable[[Progress, MakeEvolution], Any]) -> None:
     """Launch a run with a progress bar, on terminals and in notebooks."""
 
     def show(record: StepRecord) -> None:

@@ -65,9 +65,10 @@ _IDENTITIES: dict[str, dict[str, tuple[str, float]]] = {
 def write_report(run: Run, output: Path) -> None:
     """Write the report of a run, finished or not; what cannot be drawn is said in it.
 
-    Raises InputError: not a .html file, or it cannot be written.
+    Raises InputError: not a .html file, it cannot be written, or someone has changed the tables of the run.
     """
     require_suffix(output, ".html")
+    run.require_tables()
     loader = PackageLoader("fsi.postprocess", ".")
     templates = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     page = templates.get_template("report.html.jinja").render(

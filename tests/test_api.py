@@ -112,7 +112,9 @@ def test_cases_solutions_and_runs_say_what_they_are(tmp_path: Path) -> None:
     case = reduced()
     assert repr(case) == "<Case 'disc': reduced, planar, 1 bodies, half-plane>"
     assert repr(fsi.solve(case)).startswith("<Solution of 'disc': reduced, 1 bodies in 2 dimensions, dissip")
-    assert repr(fsi.run(case, tmp_path / "run")).startswith("<Run 'disc': reduced, ")
+    run = fsi.run(case, tmp_path / "run")
+    count = run.steps["step"].iloc[-1]  # the steps are 0 to this one, as `fsi run` counts them
+    assert repr(run) == f"<Run 'disc': reduced, {count} steps to t = 1>"
 
 
 def test_files_of_the_user_that_are_named_like_its_folders_do_no_harm(tmp_path: Path) -> None:
@@ -137,6 +139,16 @@ def test_arrays_of_a_solution_are_copies() -> None:
     assert solution["disc"].angular_velocity != 7.0
     assert solution["disc"].position.tolist() == [0.0, 2.0]
     assert solution["disc"].force[1] != 7.0
+
+
+def test_an_instant_is_read_only() -> None:
+    """What is written to it would change the velocities and forces of the bodies: at each level."""
+    disc_in_box, between_pores = ROOT / "cases" / "disc_in_box.toml", ROOT / "cases/pores/couette_N10.toml"
+    for case in (reduced(), fsi.load_case(disc_in_box), fsi.load_case(between_pores)):
+        solution = fsi.solve(case)
+        for values in (solution.instant.U, solution.instant.F):
+            with pytest.raises(ValueError, match="read-only"):
+                values[:] = 5.0
 
 
 def test_solutions_are_equal_to_themselves_alone() -> None:

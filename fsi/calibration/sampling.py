@@ -19,6 +19,7 @@ import numpy as np
 
 import fsi.parallel as parallel
 from fsi.calibration.finding import pair_of
+from fsi.calibration.own_code import own_code
 from fsi.calibration.pair import Pair
 from fsi.calibration.samples import Sample, keep_sample, read_sample
 from fsi.case.load import parse_case
@@ -53,10 +54,10 @@ def planned_gaps(pair: Pair) -> list[tuple[float, bool]]:
 
 
 def key_of(pair: Pair, gap: float) -> str:
-    """What names a sample: a hash of the case at the gap, of the mode, and of all code."""
+    """What names a sample: a hash of the case at the gap, of the mode, and of all code, the user's too."""
     case = pair.at(gap).model_dump(mode="json", exclude={"name"})
     content = {"case": case, "pair": pair.plan.pair, "mode": pair.plan.mode, "code": _code()}
-    return digest_of(content)
+    return digest_of(content | {"own": own_code(pair.case)})
 
 
 def _code() -> str:

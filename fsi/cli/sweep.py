@@ -117,7 +117,7 @@ def _done(plan: SweepPlan, pool: Pool, ranks: int) -> list[SweepRow]:
     require_folder(plan.folder)
     for request in requests:
         request.require_same()
-    left = [request.folder for request in requests if request.result() is None]
+    left = [request.folder for request in requests if len(request.result()) < len(plan.quantities)]
     failures: dict[Path, str] = {}
     with counting("runs") as show:
         show(there := len(requests) - len(left), len(requests))
@@ -132,8 +132,8 @@ def _done(plan: SweepPlan, pool: Pool, ranks: int) -> list[SweepRow]:
 
 
 def _require_all(rows: list[SweepRow], folder: Path) -> None:
-    """Raise SolveError if any run failed."""
-    failed = [row for row in rows if row.values is None]
+    """Raise SolveError if any run failed, or has not all quantities."""
+    failed = [row for row in rows if not row.done]
     if failed:
         first = f"first {failed[0].request.folder.name}: {failed[0].failure}"
         raise SolveError(

@@ -11,7 +11,8 @@ revolution m is 1 and the rest as for spheres,
 
     K(s) = c_1 s^-m + c_2 ln(1/s) + c_3 + c_4 s ln(1/s) + c_5 s + ...
 
-Where the pair is confined, what surroundings add is analytic in s, and s and s^2 are terms as well.
+Where the pair is confined, what surroundings add is analytic in s, and s and s^2 are terms as well, but for
+one that is there already: for m = 3/2, s^(2 m / 3).
 
 m is that for which the fit of `fsi.lubrication.fitting` is best, and its error enters those of the
 coefficients through dK/dm.
@@ -32,6 +33,7 @@ from fsi.lubrication.profiles import Term
 
 NATURAL = 10.0  # size of the others over c_1: of tips c_2 and c_3 come to eight times that
 LEAST, MOST, PIECES = 0.05, 2.5, 99  # where m is looked for
+CLOSE = 1e-3  # powers that differ by less are one: over four decades of s their terms differ by 1 %
 # Of the first sample: with c_1 = 0 three times m would do as well, as what follows has a third of it.
 LEADS = 0.01
 
@@ -75,6 +77,12 @@ class FreeSeries:
         """With what surroundings add, which is analytic in s: s and s^2, as the constant is there."""
         return FreeSeries(self.ratios, tuple(dict.fromkeys((*self.others, Term(1.0), Term(2.0)))))
 
+    def distinct(self, m: float) -> "FreeSeries":
+        """Without those of the others that are at this m among the first: a fit would share c out to both."""
+        powers = m * np.array(self.ratios)
+        others = (term for term in self.others if term.log or np.all(np.abs(powers - term.power) > CLOSE))
+        return FreeSeries(self.ratios, tuple(others))
+
 
 PLANAR = FreeSeries((-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0))
 REVOLVED = FreeSeries((-1.0,), (Term(0.0, log=True), Term(0.0), Term(1.0, log=True), Term(1.0)))
@@ -95,9 +103,10 @@ def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -
         m, misfit = _best(series, *samples, lengths)
         if believable(misfit, n - FREE - 1):
             break
+    series = series.distinct(m)
     terms, widths = series.terms(m), series.widths(m, s, K, lengths)
     phi = design(terms, s)
-    c, _ = _coefficients(series, m, *samples, lengths)
+    c, misfit = _coefficients(series, m, *samples, lengths)
     slope = (phi[:n] * c * series.slopes).sum(axis=1) * np.log(s[:n])
     columns = np.column_stack([slope, phi[:n]])  # what has no prior comes first
     _, every, _ = regression(columns, K[:n], bars[:n], widths)

@@ -56,9 +56,9 @@ def _run(plan: SweepPlan, row: SweepRow) -> list[object]:
     folder = os.path.relpath(row.request.folder, plan.folder.absolute())
     known: list[object] = []
     for name in plan.quantities:
-        value = None if row.values is None else row.values[name]
+        value = row.values.get(name)
         known += ["", ""] if value is None else [value.value, _number(value.error)]
-    status = "done" if row.values is not None else f"failed: {row.failure}"
+    status = "done" if row.done else f"failed: {row.failure}"
     return [*map(value_text, row.request.values.values()), folder, status, *known]
 
 

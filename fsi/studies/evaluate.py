@@ -2,8 +2,8 @@
 
 import csv
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,7 @@ from fsi.case.sections import (
     Expected,
     gap_of,
 )
-from fsi.errors import InputError, SolveError
+from fsi.errors import FsiError, InputError, SolveError
 from fsi.models import flow_solvers, require_instant
 from fsi.observables.quantities import component, computed, stress_column, time_at
 from fsi.reduced.model import ReducedModel
@@ -43,29 +43,42 @@ class FoundValue:
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """Quantities by name, and the identities of the flow that gave them, relative defects."""
+    """What there is of some quantities.
+
+    Attributes:
+        values: by name.
+        failures: why the others have none, by name.
+        checks: the identities of the flow that gave them, relative defects.
+    """
 
     values: Mapping[str, FoundValue]
+    failures: Mapping[str, FsiError]
     checks: Mapping[str, float] = field(default_factory=dict)
+
+    def __getitem__(self, quantity: str) -> FoundValue:
+        """One of them. Raises InputError, SolveError: it has no value."""
+        if quantity in self.failures:
+            raise self.failures[quantity]
+        return self.values[quantity]
 
 
 def at_instant(case: Case, quantities: Iterable[str]) -> Evaluation:
     """Quantities at time 0, without inertia, the same on all ranks; collective.
 
-    Raises InputError, SolveError: the case cannot be solved, or has no such value.
+    Raises InputError, SolveError: the case cannot be solved.
     """
     if not case.level.flow:
         require_instant(case)
         instant = ReducedModel(case)(case.configuration(), 0.0)
-        return Evaluation(
-            {name: _finite(FoundValue(computed(case, instant, name)), name) for name in quantities}
-        )
+        return _evaluated(quantities, lambda name: FoundValue(computed(case, instant, name)))
     solved = flow_solvers(case).solve(case)
-    values = {}
-    for name in quantities:
+
+    def value(name: str) -> FoundValue:
         number, error = (computed(case, of, name) for of in (solved.solution, solved.errors))
-        values[name] = _finite(FoundValue(number, abs(error)), name)
-    return Evaluation(values, {name: float(defect) for name, defect in solved.solution.checks.items()})
+        return FoundValue(number, abs(error))
+
+    checks = {name: float(defect) for name, defect in solved.solution.checks.items()}
+    return replace(_evaluated(quantities, value), checks=checks)
 
 
 def of_motion(case: Case, folder: Path, quantities: Iterable[str]) -> Evaluation:
@@ -77,9 +90,7 @@ def of_motion(case: Case, folder: Path, quantities: Iterable[str]) -> Evaluation
         resume(folder)
     else:
         run(case, folder)
-    return parallel.on_root(
-        lambda: Evaluation({name: _finite(_moved(case, folder, name), name) for name in quantities})
-    )
+    return _evaluated(quantities, lambda name: parallel.on_root(lambda: _moved(case, folder, name)))
 
 
 def require_quantity(case: Case, quantity: str, *, moving: bool = False) -> None:
@@ -91,6 +102,18 @@ def require_quantity(case: Case, quantity: str, *, moving: bool = False) -> None
     if of_run and not moving:
         raise InputError(f"{here}: is of a run, not of an instant; give a velocity or a force, or {_OF_RUN}")
     check_quantity(case, quantity, here)
+
+
+def _evaluated(quantities: Iterable[str], value: Callable[[str], FoundValue]) -> Evaluation:
+    """Each quantity by itself: one that has no value costs no other; collective."""
+    values, failures = dict[str, FoundValue](), dict[str, FsiError]()
+    for name in quantities:
+        try:
+            values[name] = _finite(value(name), name)
+        except FsiError as error:
+            parallel.settle(error)
+            failures[name] = error
+    return Evaluation(values, failures)
 
 
 def _finite(found: FoundValue, quantity: str) -> FoundValue:

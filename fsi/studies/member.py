@@ -12,7 +12,7 @@ from typing import Any
 import fsi.parallel as parallel
 from fsi.case.checks.work import check_work
 from fsi.case.load import case_text, load_case, named_files
-from fsi.errors import InputError
+from fsi.errors import InputError, SolveError
 from fsi.files import content, json_of, replace
 from fsi.run_folder.alone import alone
 from fsi.run_folder.kept import CASE
@@ -60,8 +60,8 @@ class Request:
         replace(self.folder / CASE, self._text().encode())
         replace(self.folder / REQUEST, json.dumps(self._wanted()).encode())
 
-    def result(self) -> Mapping[str, FoundValue] | None:
-        """Values by name, of a run that is done; None of one that is not, or lacks a quantity."""
+    def result(self) -> Mapping[str, FoundValue]:
+        """Values by name: all of a run that is done, none of one that was not begun."""
         return kept_values(self.folder, self.quantities)
 
     def _text(self) -> str:
@@ -75,13 +75,14 @@ class Request:
 def compute(folder: Path) -> None:
     """Do the run that is asked for in a folder, unless it is done; collective.
 
-    Whoever else does it is waited for. Raises InputError, SolveError: the run fails.
+    Whoever else does it is waited for. Raises InputError, SolveError: the run fails, or has no value of some
+    quantity; those of the others are kept.
     """
     parallel.on_root((folder / LAUNCHES).touch)
     with alone(folder / LAUNCHES):
         asked = parallel.on_root(lambda: json_of(folder / REQUEST, _REMEDY))
         quantities = tuple(asked["quantities"])
-        if parallel.on_root(lambda: kept_values(folder, quantities)) is not None:
+        if len(parallel.on_root(lambda: kept_values(folder, quantities))) == len(quantities):
             return
         parallel.on_root(lambda: _note_launch(folder))
         case = parallel.on_root(lambda: load_case(folder / CASE))
@@ -91,18 +92,19 @@ def compute(folder: Path) -> None:
         else:
             found = at_instant(case, quantities)
         parallel.on_root(lambda: _keep(folder, found))
+        if found.failures:
+            raise SolveError("; ".join(map(str, found.failures.values())))
 
 
-def kept_values(folder: Path, quantities: tuple[str, ...]) -> Mapping[str, FoundValue] | None:
-    """What a finished run has found, or None. Raises InputError: the file is damaged."""
+def kept_values(folder: Path, quantities: tuple[str, ...]) -> Mapping[str, FoundValue]:
+    """What a run has found of some quantities. Raises InputError: the file is damaged."""
     if not (folder / RESULT).exists():
-        return None
+        return {}
     try:
         values = json_of(folder / RESULT, _REMEDY)["values"]
-        known = {name: FoundValue(*values[name]) for name in quantities if name in values}
+        return {name: FoundValue(*values[name]) for name in quantities if name in values}
     except (KeyError, TypeError):
         raise InputError(f"{folder / RESULT}: is damaged, it is no result; {_REMEDY}") from None
-    return known if len(known) == len(quantities) else None
 
 
 def _keep(folder: Path, found: Evaluation) -> None:

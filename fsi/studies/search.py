@@ -112,5 +112,5 @@ def most_trials(low: float, high: float) -> int:
 
 def trial_of(case: Case, value: float, quantity: str) -> KeyTrial:
     """The quantity of a case at time 0, without inertia, the same on all ranks; collective."""
-    found = at_instant(case, [quantity]).values[quantity]
+    found = at_instant(case, [quantity])[quantity]
     return KeyTrial(value, found.value, found.error)

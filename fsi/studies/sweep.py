@@ -127,11 +127,16 @@ class Average:
 
 @dataclass(frozen=True, slots=True)
 class SweepRow:
-    """A run of a sweep: what was asked, what came of it, or why nothing did."""
+    """A run of a sweep: what was asked, which quantities came of it, and why not all did."""
 
     request: Request
-    values: Mapping[str, FoundValue] | None
+    values: Mapping[str, FoundValue]
     failure: str = ""
+
+    @property
+    def done(self) -> bool:
+        """Whether it has all that was asked for."""
+        return len(self.values) == len(self.request.quantities)
 
 
 def averages(plan: SweepPlan, rows: Sequence[SweepRow]) -> list[Average]:
@@ -142,7 +147,7 @@ def averages(plan: SweepPlan, rows: Sequence[SweepRow]) -> list[Average]:
 
 
 def _average(point: Mapping[str, Any], quantity: str, rows: Sequence[SweepRow]) -> Average:
-    found = [row.values[quantity] for row in rows if row.values is not None]
+    found = [row.values[quantity] for row in rows if quantity in row.values]
     x, n = np.array([one.value for one in found]), len(found)
     deviation = float(x.std(ddof=1)) if n > 1 else np.nan
     bars = [one.error for one in found if one.error is not None]

@@ -34,7 +34,7 @@ def reference(case: Case, row: Expected) -> tuple[float, float]:
 
 
 def exact_value(case: Case, name: str, quantity: str) -> float:
-    """What an exact result gives for a quantity of the case at time 0."""
+    """What an exact result gives for a quantity of the case at time 0. Raises InputError: no number."""
     q = case.configuration()
     motion, far = case.motion_at(q, 0.0), case.wall_velocity(0.0).get("far")
     body, mode, gap = 0, 0, 0.0
@@ -48,9 +48,12 @@ def exact_value(case: Case, name: str, quantity: str) -> float:
         *_surfaces(case), case.bodies[0].half_axes, q.standing,
     )  # fmt: skip
     try:
-        found = EXACT[name].value(problem)
+        found = float(EXACT[name].value(problem))  # NumPy's are no JSON
     except ValueError as error:  # where the function is not known
         raise InputError(f'exact = "{name}": {error}; give a value') from None
+    except Exception as error:  # it may be a user's
+        said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        raise InputError(f'exact = "{name}": its function fails ({said}); correct it') from error
     if np.isnan(found):
         raise InputError(f'exact = "{name}": is not known for the shape of {case.names[0]!r}; give a value')
     return found

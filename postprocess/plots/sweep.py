@@ -58,7 +58,8 @@ def _draw(axes: Axes, plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence
         )
         for i, at in zip(order, x, strict=True):
             group = rows[(i * curves + k) * each : (i * curves + k + 1) * each]
-            known = [row.values[of_curve[0].quantity].value for row in group if row.values is not None]
+            quantity = of_curve[0].quantity
+            known = [row.values[quantity].value for row in group if quantity in row.values]
             axes.plot(np.full(len(known), at), known, ".", color=colour, alpha=0.4, ms=5, zorder=1)
     axes.set(xlabel=plain(plan.keys[0].name) if plan.keys else "")
     axes.yaxis.set_major_formatter(PlainNumbers())

@@ -141,7 +141,7 @@ class SpatialArtist(FlowArtist):
         return cut, f"{self.gap_title(step, gap, view)}, plane {cut.name}"
 
     def _space(self, spheres: pv.PolyData, where: tuple[int, Cut, Array], shades: ScalarMappable) -> Picture:
-        """The spheres in their box, and the outline of the plane."""
+        """The spheres in their box, and the outline of the plane where a panel shows that."""
         step, cut, middle = where
         view = View(cut.centre, ASLANT * cut.half)
         space = new_spatial_panel(view, self.choice.size, self.choice.theme)
@@ -158,9 +158,10 @@ class SpatialArtist(FlowArtist):
             space.floor(0.0)
         elif len(edges := self.run.case.container().edges):
             space.outline(view.local(edges), space.theme.ink)
-        corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
-        around = view.local(cut.points(*corners.T))
-        space.outline(np.stack([around[:-1], around[1:]], axis=1), "#d55e00")
+        if not all(field.on_bodies for field in self.fields):
+            corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+            around = view.local(cut.points(*corners.T))
+            space.outline(np.stack([around[:-1], around[1:]], axis=1), "#d55e00")
         return space.image()
 
     def _plane(

@@ -62,8 +62,9 @@ class Run:
     path: Path
 
     def __repr__(self) -> str:
-        """What it is and how far it has come, in one line."""
-        return f"<Run {self.case.name!r}: {self.case.model}, {len(self._steps)} steps to t = {self.end:g}>"
+        """What it is and how far it has come, in one line; step 0 is its beginning."""
+        steps = len(self._steps) - 1
+        return f"<Run {self.case.name!r}: {self.case.model}, {steps} steps to t = {self.end:g}>"
 
     @cached_property
     def case(self) -> Case:
@@ -91,6 +92,12 @@ class Run:
     def bodies(self) -> pd.DataFrame:
         """bodies.csv, a row for each step and body; a copy."""
         return self._bodies.copy()
+
+    def require_tables(self) -> None:
+        """Raise InputError where someone has changed the tables; before the first step they may be empty."""
+        if self._commit is not None:
+            for name in ("steps", "bodies") if self.case.names else ("steps",):
+                self.table(name)
 
     @cached_property
     def _steps(self) -> pd.DataFrame:

@@ -73,6 +73,8 @@ def test_what_surroundings_add_is_not_taken_for_the_pairs(m: float) -> None:
     assert fit.used.all()
     assert abs(fit.exponent + m) < fit.exponent_interval < 1e-3
     assert abs(fit.coefficients[0] - 1.0) < fit.intervals[0]
+    assert min(np.diff(sorted(term.power for term in fit.terms))) > 0.1  # s^(2 m / 3) is s for m = 3/2
+    assert len(fit.terms) == (7 if m == 1.5 else 8)
 
 
 @pytest.mark.parametrize(("low", "high"), [(1e-4, 1e-1), (1e-5, 1e-2)])

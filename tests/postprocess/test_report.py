@@ -84,6 +84,17 @@ def test_a_finished_run_without_fields(tmp_path: Path) -> None:
     assert "has written no fields" in text
 
 
+@pytest.mark.parametrize("table", ["steps", "bodies"])
+def test_changed_tables_are_refused(table: str, tmp_path: Path) -> None:
+    """As by all that reads them: a report that only says so looked like one of the run."""
+    start(small_case(output={"fields": False}), tmp_path / "run")
+    path = tmp_path / "run" / f"{table}.csv"
+    path.write_text(path.read_text().replace("step,t,", "stop,t,", 1))
+    with pytest.raises(InputError, match=rf"{table}\.csv: was changed since the run wrote it"):
+        page(tmp_path / "run")
+    assert not (tmp_path / "run" / "report.html").exists()
+
+
 def test_a_run_killed_before_its_first_step(run: Path) -> None:
     (run / "bodies.csv").unlink()
     (run / "fluid.pvd").unlink()

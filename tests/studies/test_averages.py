@@ -22,7 +22,7 @@ def test_tables_have_a_row_for_each_point_whatever_failed(values: list[float], s
     found = []
     for point in plan.points():
         for seed in range(1, max(seeds, 1) + 1):
-            known = None if seed == 2 else {"q": FoundValue(point["x"] + seed)}
+            known = {} if seed == 2 else {"q": FoundValue(point["x"] + seed)}
             found.append(SweepRow(SimpleNamespace(), known))  # type: ignore[arg-type]
     means = averages(plan, found)
     assert [(one.point["x"], one.point["word"]) for one in means] == [(x, w) for x in values for w in "ab"]

@@ -81,6 +81,30 @@ def test_runs_that_fail_are_named_and_the_others_go_on(
     assert len(here) == 5
 
 
+def test_a_run_that_lacks_a_quantity_has_the_others(
+    case: Path, tmp_path: Path, here: list[str], capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Gaps of 0.02 to begin with: none is 9 before time.end, or ever."""
+    folder, lacking = tmp_path / "sweep", "time at gap 9"
+    assert swept(case, folder, "--seeds", 0, "--run", "--quantity", lacking) == 3
+    said = (
+        "2 of 2 runs failed, first arrangement.area_fraction=0.2: time at gap 9: the run begins at a gap of"
+    )
+    assert said in capfd.readouterr().err
+    for row in rows(folder / "runs.csv"):
+        assert row["status"].startswith("failed: time at gap 9: the run begins")
+        assert float(row[VISCOSITY]) > 1.0
+        assert row[lacking] == ""
+    means = {(row[FRACTION], row["quantity"]): row for row in rows(folder / "sweep.csv")}
+    for fraction in ("0.2", "0.3"):
+        known, none = means[fraction, VISCOSITY], means[fraction, lacking]
+        assert (known["count"], known["failed"], none["count"], none["failed"]) == ("1", "0", "0", "1")
+    assert swept(case, folder, "--seeds", 0, "--run", "--quantity", lacking) == 3  # is tried again
+    assert len(here) == 4
+    assert swept(case, folder, "--seeds", 0, "--run") == 0
+    assert len(here) == 4
+
+
 @pytest.mark.usefixtures("undrawn")
 def test_runs_in_time_are_averaged(case: Path, tmp_path: Path, here: list[str]) -> None:
     """The mean over time of steps.csv, and what a body has in the last row of bodies.csv."""

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from fsi.arrays import Array
 from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.lubrication.exact_results import EXACT as RESULTS
 from fsi.lubrication.exact_results import ExactProblem, Fitting, exact_result
-from fsi.validation.rows import reference, require_sound, swept
+from fsi.validation.rows import Row, reference, require_sound, swept, write_rows
 from tests.validation.test_validate import QUICK
 
 
@@ -69,6 +72,51 @@ def test_a_reference_that_is_not_known_is_missed_before_anything_is_solved(tmp_p
             require_sound([path])
     finally:
         del RESULTS["of_no_shape"]
+
+
+def raises(_: ExactProblem) -> float:
+    raise RuntimeError("mine")
+
+
+def of_all_bodies(problem: ExactProblem) -> Array:
+    return np.asarray(problem.U[:, :2])
+
+
+def nothing(_: ExactProblem) -> None:
+    return None
+
+
+@pytest.mark.parametrize("wrong", [raises, of_all_bodies, nothing], ids=lambda wrong: wrong.__name__)
+def test_a_result_that_gives_no_number_is_named(wrong: Any, tmp_path: Path) -> None:
+    """In one line that blames its function, before anything is solved."""
+    path = tmp_path / "case.toml"
+    path.write_text(QUICK.replace("concentric_sphere", wrong.__name__))
+    exact_result(Fitting("axisymmetric", "round", 1, "force"))(wrong)
+    try:
+        with pytest.raises(InputError, match=rf'case\.toml: exact = "{wrong.__name__}": its function fails'):
+            require_sound([path])
+    finally:
+        del RESULTS[wrong.__name__]
+
+
+def numpy_sphere(problem: ExactProblem) -> float:
+    found: float = -137.6 * np.float64(problem.viscosity)
+    return found
+
+
+def test_a_result_may_be_a_number_of_numpy(tmp_path: Path) -> None:
+    """Its rows are written as those of plain numbers: of a verdict of NumPy JSON knows nothing."""
+    path = tmp_path / "case.toml"
+    path.write_text(QUICK.replace("concentric_sphere", "numpy_sphere"))
+    exact_result(Fitting("axisymmetric", "round", 1, "force"))(numpy_sphere)
+    try:
+        case = load_case(path)
+        found, digits = reference(case, case.expected[0])
+    finally:
+        del RESULTS["numpy_sphere"]
+    row = Row("case", None, 0.1, "q", -137.5, 1e-3, 0.0, found, digits, 1e-2, "numpy_sphere", "mine")
+    write_rows([row], tmp_path)
+    assert json.loads((tmp_path / "validation.json").read_text())[0]["passed"] is True
 
 
 def of_no_shape(_: ExactProblem) -> float:

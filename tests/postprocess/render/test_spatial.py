@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista as pv
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
@@ -51,6 +52,21 @@ def test_a_plane_of_ones_choice(tmp_path: Path) -> None:
     same, _, right = panels
     assert (right[90:110, 180:190].mean(axis=(0, 1)) - right[90:110, 10:20].mean(axis=(0, 1)))[0] > 0.3
     assert np.ptp(same[5:15, 5:195], axis=(0, 1)).max() < 0.1
+
+
+@pytest.mark.usefixtures("drawing")
+def test_only_the_plane_of_a_panel_is_outlined(tmp_path: Path) -> None:
+    """In orange among the spheres; with their traction alone the outline had nothing to tell of."""
+    write_spatial_run(tmp_path)
+    ball = pv.Icosphere(radius=0.5, nsub=2).cast_to_unstructured_grid()
+    ball["traction"] = 1.0 + ball.points
+    ball.save(tmp_path / "fields" / "surface_000000.vtu")
+    text = (tmp_path / "fluid.pvd").read_text()
+    (tmp_path / "surface.pvd").write_text(text.replace("fluid_", "surface_"))
+    for field, outlined in ((None, True), ("traction", False)):
+        coloured = np.ptp(drawn(tmp_path, Choice(field, size=200)), axis=2) > 0.1
+        coloured[65:135, 65:135] = False  # the ball
+        assert (coloured.sum() > 200) == outlined
 
 
 @pytest.mark.slow
