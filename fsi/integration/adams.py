@@ -28,9 +28,10 @@ class Adams:
     where the weights integrate what interpolates these velocities, whatever the steps were. In space turns
     do not commute: 1/2 int int_{s < t} omega(t) x omega(s) ds dt of what interpolates is added (Magnus 1954).
     The instant of a step is that at p_{n+1}, so that forces and fields are those there; the correction
-    q_{n+1} - p_{n+1}, which is the error of p_{n+1}, goes into the next step and does not add up. Order 4;
-    the correction is of order h^(K+1). It begins with K = 1, at the start and after each kink of the data,
-    and takes one more at each step.
+    q_{n+1} - p_{n+1}, which is the error of p_{n+1}, goes into the next step and does not add up. It begins
+    with K = 1, at the start and after each kink of the data, and takes one more at each step. A step misses
+    h^(K+2), so that of equal steps the first leaves h^3, and all after the third add up to h^4: order 3 as a
+    whole, 4 where a tolerance keeps first steps short. The correction is of order h^(K+1).
     """
 
     error_order: ClassVar[int] = ORDER + 1

@@ -172,7 +172,7 @@ def _rates(model: Model, q: Configuration, displacement: Array, t: float) -> Arr
 
 
 register_scheme("bogacki-shampine", 3)(lambda _: BogackiShampine())
-register_scheme("adams", 4)(lambda _: Adams())
+register_scheme("adams", 3)(lambda _: Adams())
 
 # Their pairs remember gaps, which only the model can step: `fsi.reduced.distance_stepper`.
 for _name in ("backward-euler", "distance"):

@@ -70,7 +70,7 @@ from fsi.case.checks.surfaces import slip_lengths
 from fsi.case.sections import HIGHEST_DEGREE, MOST_FEW
 from fsi.observables.resistance import KNOWN_TO
 from fsi.stokes.corners import jumps, singular
-from fsi.stokes.walls import boundary_of, wall_kinks
+from fsi.stokes.walls import boundary_of, singular_corners, wall_kinks
 
 SAFETY = 1.5
 JOINTED = 2.0  # what one degree more gains at least beside outlines whose derivatives jump
@@ -107,18 +107,22 @@ class Comparison:
 
 def comparisons(case: Case) -> tuple[Comparison, ...]:
     """The flows with which that of a case is compared; the bars of each add up."""
-    degree = case.discretisation.degree
-    orders, finer = _edge_orders(case), FINER[case.dimension]
-    outlines = case.configuration().outlines if case.dimension == 2 else ()
-    if any(outline.joints for outline in outlines):
-        return (Comparison(degree + 1, finer if orders else 1.0, _OF_JOINTS, CHANCE, CHANCE),)
-    if case.dimension == 2 and _is_smooth_and_crowded(case, orders):
-        return (Comparison(degree - 1, 1.0, OF_MANY, CHANCE_OF_MANY, CHANCE_OF_MANY),)
+    degree, finer = case.discretisation.degree, FINER[case.dimension]
     if case.dimension == 2:
-        return (Comparison(_of_more(case), finer if orders else 1.0, SAFETY),)
+        return (_in_the_plane(case, finer if len(singular_corners(case)) else 1.0),)
+    orders = _edge_orders(case)
     of_edges = (SAFETY / (1.0 - finer**-p) for p in sorted(orders)[:1])
     flows = (Comparison(degree, finer, factor, CHANCE, CHANCE) for factor in of_edges)
     return (_of_elements_in_space(case), *flows)
+
+
+def _in_the_plane(case: Case, finer: float) -> Comparison:
+    degree = case.discretisation.degree
+    if any(outline.joints for outline in case.configuration().outlines):
+        return Comparison(degree + 1, finer, _OF_JOINTS, CHANCE, CHANCE)
+    if finer == 1.0 and _is_smooth_and_crowded(case):
+        return Comparison(degree - 1, 1.0, OF_MANY, CHANCE_OF_MANY, CHANCE_OF_MANY)
+    return Comparison(_of_more(case), finer, SAFETY)
 
 
 def _of_more(case: Case) -> int:
@@ -139,11 +143,11 @@ def _of_elements_in_space(case: Case) -> Comparison:
     return Comparison(degree - 1, 1.0, FEWER, CHANCE_FEWER, CHANCE)
 
 
-def _is_smooth_and_crowded(case: Case, orders: set[float]) -> bool:
+def _is_smooth_and_crowded(case: Case) -> bool:
     """Whether one degree less is known to tell the error in the plane: many discs, quartic elements."""
     crowded = case.discretisation.degree == MANY_DEGREE and len(case.bodies) > MOST_FEW
     round_ones = all(body.shape is None for body in case.bodies)
-    return crowded and round_ones and not orders and not _slides(case)
+    return crowded and round_ones and not _slides(case)
 
 
 def _slides(case: Case) -> bool:

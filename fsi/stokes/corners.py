@@ -14,15 +14,21 @@ is of lower order: what slides makes no corner singular with a wall to which flu
 does. Where the two move otherwise, with velocities that differ by U along the former, the traction (mu / b) U
 ends in the corner: u ~ r ln r there too.
 
-A force on a body between the walls is finite with both: meshes are graded towards these corners
+Where the curvature kappa of such a wall jumps, as at the ends of a wave, so does the vorticity
+(2 kappa + 1/b) u along it, its harmonic conjugate p goes like ln r, and u ~ r ln r again.
+
+A force on a body between the walls is finite with all: meshes are graded towards these corners
 (`fsi.meshes.planar.grading`).
 """
+
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
 from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.curves import WallCurve
 from fsi.stokes.problem import Boundary
 
 SAME = 1e-12  # velocities that differ by this part of the largest are one
@@ -73,6 +79,28 @@ def _slid(container: Container, boundary: Boundary) -> list[tuple[int, int]]:
         if slides and u is not None and v is not None and np.abs(u(x) - v(x)).max() > 0.0:
             found.append((one, other))
     return found
+
+
+def bends_anew(container: Container, wall: int) -> Array:
+    """Where in the plane the curvature of a wall jumps, (n, 2): one piece of it ends and another begins."""
+    pieces = [curve for curve in container.outline() if curve.wall == wall]
+    return np.array(
+        [
+            one.ends[1]
+            for one, other in permutations(pieces, 2)
+            if np.allclose(one.ends[1], other.ends[0], rtol=0.0, atol=SAME * container.size())
+            and not _alike(one, other)
+        ]
+    ).reshape(-1, 2)
+
+
+def _alike(one: WallCurve, other: WallCurve) -> bool:
+    """Whether two pieces are both straight, or both on one circle."""
+    if one.solid is not None or other.solid is not None:
+        return False
+    if one.centre is None or other.centre is None:
+        return one.centre is other.centre
+    return bool(np.allclose(one.centre, other.centre, rtol=1e-9))
 
 
 def distance(container: Container, pairs: list[tuple[int, int]], x: Array) -> Array:

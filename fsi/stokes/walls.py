@@ -5,7 +5,7 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
-from fsi.stokes.corners import singular
+from fsi.stokes.corners import bends_anew, singular
 from fsi.stokes.problem import Boundary, Field, SurfaceConditions
 
 
@@ -51,6 +51,8 @@ def singular_pairs(case: Case) -> tuple[tuple[int, int], ...]:
 
 
 def singular_corners(case: Case) -> Array:
-    """Where in the plane these walls meet, (n, 2)."""
-    meetings = case.container().meetings()
-    return np.concatenate([np.empty((0, 2)), *(meetings[pair] for pair in singular_pairs(case))])
+    """Where in the plane these walls meet, and where a wall along which fluid slides bends anew, (n, 2)."""
+    container = case.container()
+    meetings, sliding = container.meetings(), [container.walls.index(wall) for wall in case.wall_slip()]
+    corners = [meetings[pair] for pair in singular_pairs(case)]
+    return np.concatenate([np.empty((0, 2)), *corners, *(bends_anew(container, wall) for wall in sliding)])

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from fsi.arrays import Array, Indices
 from fsi.errors import apart
+from fsi.meshes.cells.followed import centres, image_of, partly_straight, within
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.parts import at_parts
 from fsi.meshes.geometry.placed import Placed
@@ -32,7 +33,6 @@ SIMPLEX = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}  # by dime
 EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in basix
 WORST_ACCEPTED = 0.1
 AT_ONCE = 1000  # cells whose determinants are found together, so that they stay in the processor's cache
-ON_OUTLINE = 1e-9  # of its radius: what is nearer stands on an outline
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +126,7 @@ class _Bend:
         self.row[self.side] = np.arange(len(self.side))
         self.a, self.b = vertices[ends[:, 0]], vertices[ends[:, 1]]
         self.tags = straight.tags[curved]
-        self.centre = _centres(self.tags, (self.a, self.b), curves)
+        self.centre = centres(self.tags, (self.a, self.b), curves)
         self.side_element = along_side(order)
         self.values = self._arc_minus_chord(self.side_element.points[:, 0])
         self.values[np.isnan(self.centre[:, 0])] = 0.0  # the straight rest of a wall
@@ -136,16 +136,19 @@ class _Bend:
                 bodies[curve.tag].append(curve.body)
         for tag, images in bodies.items():
             some = np.flatnonzero(self.tags == tag)
-            on = _image_of(images, self.a[some], self.b[some])
+            on, mixed = image_of(images, self.a[some], self.b[some]), tag in partly_straight(curves)
             for k, body in enumerate(images):
-                self._follow(body, some[on == k])
+                self._follow(body, some[on == k], mixed=mixed)
 
-    def _follow(self, body: Placed, some: Indices) -> None:
-        """Those of some sides that end on the outline of a body follow it, by its length."""
+    def _follow(self, body: Placed, some: Indices, *, mixed: bool) -> None:
+        """Those of some sides that end on the outline of a body follow it, by its length.
+
+        mixed: of a wall that has straight pieces too.
+        """
         f, a, b = self.side_element.points[:, 0], self.a[some], self.b[some]
         start, end = body.nearest(a), body.nearest(b)
         off = np.maximum(np.hypot(*(body.at(start).x - a).T), np.hypot(*(body.at(end).x - b).T))
-        on = off <= ON_OUTLINE * body.outline.radius
+        on = off <= within(body.outline.radius, (a, b), mixed=mixed)
         some, a, b, start, end = some[on], a[on], b[on], start[on], end[on]
         along = (end - start + 0.5) % 1.0 - 0.5
         t = at_parts(body, start, along, f)
@@ -173,46 +176,6 @@ class _Bend:
             basis = self.side_element.tabulate(0, fractions[:, None])[0, :, :, 0]
             offset[curved] = basis @ self.values[rows[curved]]
         return offset
-
-
-def _image_of(images: Sequence[Placed], *ends: Array) -> Indices:
-    """On which image of a body sides with these ends (n, 2) are: where a domain is opened it has several."""
-    if len(images) == 1:
-        return np.zeros(len(ends[0]), dtype=np.int64)
-    off = [sum(np.abs(body.signed_distance(x)[0]) for x in ends) for body in images]
-    return np.argmin(off, axis=0)
-
-
-def _centres(tags: Indices, ends: tuple[Array, Array], curves: Sequence[Curve]) -> Array:
-    """Centres of the circles that sides with these ends (n, 2) on curves of the given tags follow, (n, 2).
-
-    Where a periodic domain is opened, arcs of a body lie around several of its images, and a wall may have
-    several arcs: that is meant which both ends are on. NaN for the straight pieces of a wall.
-    """
-    arcs = [(curve.tag, curve.centre, curve.nodes) for curve in curves if curve.centre is not None]
-    of = np.array([tag for tag, _, _ in arcs], dtype=np.int64)
-    circles = np.array([[*centre, _radius(centre, nodes)] for _, centre, nodes in arcs]).reshape(-1, 3)
-    images = np.bincount(of, minlength=int(tags.max(initial=0)) + 1)
-    # By tag and image, infinitely far where there are fewer.
-    order, first = np.argsort(of, kind="stable"), np.cumsum(images) - images
-    of_tag = np.tile([np.inf, np.inf, 0.0], (len(images), int(images.max(initial=1)), 1))
-    of_tag[of[order], np.arange(len(of)) - first[of[order]]] = circles[order]
-    centre: Array = np.where((images > 0)[:, None], of_tag[:, 0, :2], np.nan)[tags]
-    mixed = np.isin(tags, [curve.tag for curve in curves if curve.centre is None and curve.body is None])
-    some = np.flatnonzero((images[tags] > 1) | (mixed & (images[tags] > 0)))
-    there, radius = of_tag[tags[some], :, :2], of_tag[tags[some], :, 2]
-    away = [np.hypot(*np.moveaxis(x[some, None] - there, -1, 0)) - radius for x in ends]
-    off = np.abs(away).max(axis=0)
-    rows, nearest = np.arange(len(some)), off.argmin(axis=1)
-    centre[some] = there[rows, nearest]
-    straight = mixed[some] & (off[rows, nearest] > ON_OUTLINE * radius[rows, nearest])
-    centre[some[straight]] = np.nan
-    return centre
-
-
-def _radius(centre: Array, nodes: Array) -> float:
-    """Of a circle around a centre through nodes (n, 2); 0 where the centre alone is known."""
-    return float(np.hypot(*(nodes[0] - centre))) if len(nodes) else 0.0
 
 
 def _inner_nodes(corners: Array, inner: Array, sides: Indices, side_numbers: Indices, bend: _Bend) -> Array:
