@@ -197,8 +197,8 @@ class Stepper:
     def _blocked(self, state: State, approach: Approach) -> SolveError:
         return SolveError(
             f"time.smallest_step = {self.smallest_step:g}: a shorter step is needed at t = {state.t:.9g}, "
-            f"where the gap between {self._sides(approach)} is {approach.gap:.3g}; lower it or end the run "
-            "before"
+            f"where the gap between {self._sides(approach)} is {approach.gap:.3g}; lower it in a new "
+            "run, or end the run before"
         )
 
     def _sides(self, approach: Approach) -> str:

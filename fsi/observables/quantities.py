@@ -1,5 +1,7 @@
 """Numbers of a solved case by the names that [[expected]] rows and `fsi search` give them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy  # its modules load when they are used
 
@@ -8,6 +10,10 @@ from fsi.case.case import Case
 from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, SHEAR_RATE, TIME_AT_GAP, WALL_SPEED
 from fsi.errors import InputError
 from fsi.integration.state import Measured
+from fsi.observables.kinks import between_kinks
+
+# A gap this close to that of a step, relative, is that one; steps that tell more than a straight line.
+_ROUNDING, _FEWEST = 1e-12, 3
 
 
 def computed(case: Case, results: Measured, quantity: str) -> float:
@@ -46,24 +52,39 @@ def stress_column(case: Case, quantity: str) -> str:
     return "shear_rate" if quantity == SHEAR_RATE else f"speed_{next(iter(case.wall_stress(0.0)))}"
 
 
-def time_at(gap: float, t: Array, gaps: Array) -> float:
-    """When the smallest gap first became `gap`, by a spline of t over ln gap.
+def time_at(gap: float, t: Array, gaps: Array, kinks: Sequence[float] = ()) -> tuple[float, float]:
+    """When the smallest gap first became `gap`, and an error.
 
-    Raises InputError: never, or the run began with a smaller one.
+    By the cubic spline of ln gap over t, (K,), from kink to kink: one of t over the gap is singular where the
+    gap comes to rest. Its root is sought in the step that passes the gap. The error is the difference from a
+    straight line there, or the way to the farther end of the step where kinks or contact leave that line
+    alone. Raises InputError: never, or the run began with a smaller one.
     """
-    if (smallest := gaps.min()) > gap:
-        here = f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run"
-        raise InputError(f"{here} is {smallest:.3g}; raise time.end")
-    if gaps[0] < gap:
-        raise InputError(
-            f"{TIME_AT_GAP}{gap:g}: the run begins at a gap of {gaps[0]:.3g}; give a smaller one"
-        )
-    if gaps[0] == gap:
-        return float(t[0])
+    _require_passed(gap, gaps)
     last = int(np.argmax(gaps <= gap))
-    rises = np.flatnonzero(np.diff(gaps[: last + 1]) >= 0.0)
-    first = int(rises[-1]) + 1 if len(rises) else 0
-    later = np.flatnonzero(np.diff(gaps[last:]) >= 0.0)
-    end = last + int(later[0]) + 1 if len(later) else len(gaps)
-    y, s = np.log(gaps[first:end][::-1]), t[first:end][::-1]
-    return float(scipy.interpolate.CubicSpline(y, s)(np.log(gap)))
+    if np.isclose(gaps[last], gap, rtol=_ROUNDING, atol=0.0):
+        return float(t[last]), 0.0
+    before, after = t[last - 1], t[last]
+    piece = next(one for one in between_kinks(t, kinks) if one.start < last < one.stop)
+    closed = np.flatnonzero(gaps[piece] <= 0.0)
+    rows = slice(piece.start, piece.start + int(closed[0])) if len(closed) else piece
+    if rows.stop <= last or rows.stop - rows.start < _FEWEST:
+        at = np.interp(-gap, -gaps[last - 1 : last + 1], (before, after))
+        return float(at), float(max(at - before, after - at))
+    y = np.log(gaps[rows] / gap)
+    curve = scipy.interpolate.CubicSpline(t[rows], y)
+    at = scipy.optimize.brentq(curve, before, after, xtol=_ROUNDING * (after - before))
+    straight = np.interp(0.0, np.log(gap / gaps[last - 1 : last + 1]), (before, after))
+    return float(at), float(abs(at - straight))
+
+
+def _require_passed(gap: float, gaps: Array) -> None:
+    """Raise InputError if no step ends with that gap or less, or if the run begins with less."""
+    here, smallest = f"{TIME_AT_GAP}{gap:g}", gaps.min()
+    if smallest > gap and smallest < gaps[-1]:
+        found = f"the smallest gap at its steps is {smallest:.4g}"
+        raise InputError(f"{here}: {found}, and it opens at the end; give a wider gap or output.interval")
+    if smallest > gap:
+        raise InputError(f"{here}: the smallest gap of the run is {smallest:.3g}; raise time.end")
+    if gaps[0] < gap:
+        raise InputError(f"{here}: the run begins at a gap of {gaps[0]:.3g}; give a smaller one")

@@ -4,11 +4,13 @@ import csv
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 import fsi.parallel as parallel
+from fsi.arrays import Array
 from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_quantity
@@ -28,7 +30,7 @@ from fsi.observables.quantities import component, computed, stress_column, time_
 from fsi.reduced.model import ReducedModel
 from fsi.run_folder.kept import BODIES, CASE, STEPS
 from fsi.runs import resume, run
-from fsi.studies.means import mean_over_time, require_enough
+from fsi.studies.means import energy_relaxed, mean_dissipation, mean_over_time, require_enough
 
 _OF_RUN = "take fsi sweep --run"
 
@@ -138,13 +140,35 @@ def _moved(case: Case, folder: Path, quantity: str) -> FoundValue:
             raise InputError(f"--quantity {quantity}: runs of this model have none; take another quantity")
         if quantity == DISSIPATION:
             require_enough(table["t"], case.kinks(), quantity)
+            of_steps = table["t"], table[column], case.kinks()
+            return FoundValue(*mean_dissipation(*of_steps, *_relaxed(case, folder)))
+        _require_numbers(quantity, table["t"], table[column])
         return FoundValue(*mean_over_time(table["t"], table[column], case.kinks()))
     if quantity.startswith(TIME_AT_GAP):
         table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
-        return FoundValue(time_at(gap_of(quantity), table["t"], table["smallest_gap"]))
+        return FoundValue(*time_at(gap_of(quantity), table["t"], table["smallest_gap"], case.kinks()))
     body, mode = component(case, quantity)
     kind = quantity.split(".")[1]
     names = {"position": PLACES, "force": LOADS, "torque": LOADS}.get(kind, MODES)[case.dimension]
     with (folder / BODIES).open(encoding="utf-8", newline="") as file:
         last = [row for row in csv.DictReader(file) if row["body"] == case.names[body]][-1]
     return FoundValue(float(last[names[mode]]) * (-1.0 if names is LOADS[case.dimension] else 1.0))
+
+
+def _require_numbers(quantity: str, t: Array, values: Array) -> None:
+    """Raise SolveError if some of the values at times t are none, as with walls at rest."""
+    lacking = np.isnan(values)
+    if lacking.any() and not lacking.all():
+        here = f"--quantity {quantity}: is no number at t = {t[lacking][0]:g}, as with walls at rest"
+        raise SolveError(f"{here}; give another output.interval or quantity")
+
+
+def _relaxed(case: Case, folder: Path) -> list[tuple[float, float]]:
+    """`energy_relaxed` of the first step of a run; none where no mass moves freely."""
+    names, masses = MODES[case.dimension], case.masses()
+    free = np.zeros(case.held().shape) if masses is None else np.where(case.held(), 0.0, masses)
+    if not free.any():
+        return []
+    with (folder / BODIES).open(encoding="utf-8", newline="") as file:
+        rows = [[float(row[name]) for name in names] for row in islice(csv.DictReader(file), 2 * len(free))]
+    return [energy_relaxed(free, np.array(rows[: len(free)]), np.array(rows[len(free) :]))]

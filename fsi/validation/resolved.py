@@ -162,7 +162,7 @@ def _history(case: Case, folder: Path) -> list[Computed]:
         truncation = float(np.abs(smaller - U).max() / np.abs(U).max())
     results = []
     for row in case.expected:
-        at, late = time_at(gap_of(row.quantity), *fine[:2]), time_at(gap_of(row.quantity), *rough[:2])
+        at, late = (time_at(gap_of(row.quantity), *of[:2], case.kinks())[0] for of in (fine, rough))
         elements = float(np.sum(np.where(fine[0] <= at, fine[2], 0.0)))
         results.append(Computed(at, elements + abs(late - at), truncation * at))
     return results

@@ -13,7 +13,7 @@ import pytest
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.integration.errors import ErrorEstimate
-from fsi.observables.quantities import computed, time_at
+from fsi.observables.quantities import computed
 from fsi.report.studies import summary
 from fsi.validation.rows import Row, chosen_cases, exact_value, reference, swept
 from tests.case_data import changed
@@ -82,19 +82,6 @@ def test_the_summary_counts_only_known_errors() -> None:
     text = summary(rows)
     assert text.startswith("3 of 4 rows pass; 1 of 2 error bars (50 %)")
     assert text.endswith("1 more agree to all digits of the reference")
-
-
-def test_the_time_at_a_gap_is_exact_for_exponential_decay_and_ignores_what_came_before() -> None:
-    t = np.linspace(0.0, 5.0, 40)
-    gaps = np.exp(-t)
-    assert time_at(0.1, t, gaps) == pytest.approx(np.log(10.0), rel=1e-12)
-    rising = np.concatenate([[0.5, 0.7], gaps])
-    assert time_at(0.1, np.concatenate([[-2.0, -1.0], t]), rising) == pytest.approx(np.log(10.0), rel=1e-12)
-    with pytest.raises(InputError, match=r"the smallest gap of the run is 0\.00674; raise time\.end"):
-        time_at(1e-3, t, gaps)
-    assert time_at(float(gaps[0]), t, gaps) == t[0]
-    with pytest.raises(InputError, match="time at gap 2: the run begins at a gap of 1; give a smaller one"):
-        time_at(2.0, t, gaps)
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
