@@ -21,8 +21,6 @@ A force on a body between the walls is finite with all: meshes are graded toward
 (`fsi.meshes.planar.grading`).
 """
 
-from itertools import permutations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -84,14 +82,10 @@ def _slid(container: Container, boundary: Boundary) -> list[tuple[int, int]]:
 def bends_anew(container: Container, wall: int) -> Array:
     """Where in the plane the curvature of a wall jumps, (n, 2): one piece of it ends and another begins."""
     pieces = [curve for curve in container.outline() if curve.wall == wall]
-    return np.array(
-        [
-            one.ends[1]
-            for one, other in permutations(pieces, 2)
-            if np.allclose(one.ends[1], other.ends[0], rtol=0.0, atol=SAME * container.size())
-            and not _alike(one, other)
-        ]
-    ).reshape(-1, 2)
+    begins, ends = (np.array([curve.ends[k] for curve in pieces]).reshape(-1, 2) for k in (0, 1))
+    meet = np.linalg.norm(ends[:, None] - begins, axis=2) <= SAME * container.size()
+    unlike = [i for i, j in np.argwhere(meet).tolist() if not _alike(pieces[i], pieces[j])]
+    return np.asarray(ends[unlike])
 
 
 def _alike(one: WallCurve, other: WallCurve) -> bool:

@@ -51,8 +51,14 @@ def singular_pairs(case: Case) -> tuple[tuple[int, int], ...]:
 
 
 def singular_corners(case: Case) -> Array:
-    """Where in the plane these walls meet, and where a wall along which fluid slides bends anew, (n, 2)."""
-    container = case.container()
-    meetings, sliding = container.meetings(), [container.walls.index(wall) for wall in case.wall_slip()]
-    corners = [meetings[pair] for pair in singular_pairs(case)]
-    return np.concatenate([np.empty((0, 2)), *corners, *(bends_anew(container, wall) for wall in sliding)])
+    """Where in the plane these walls meet, and where a wall along which fluid slides bends anew, (n, 2).
+
+    Where fluid sticks to such a wall the flow is singular too, u ~ r^2 ln r, of which two degrees on one mesh
+    tell. With any of the former errors are told by two meshes, and these have small cells there as well.
+    """
+    container, slips = case.container(), case.wall_slip()
+    meetings, pairs = container.meetings(), singular_pairs(case)
+    bends = {wall: bends_anew(container, k) for k, wall in enumerate(container.walls)}
+    if not pairs and not any(len(bends[wall]) for wall in slips):
+        return np.empty((0, 2))
+    return np.concatenate([*(meetings[pair] for pair in pairs), *bends.values()])
