@@ -61,7 +61,7 @@ class _Tested:
         u, slip: of the fluid, and along surfaces; the latter is empty where nothing slides.
         weighted: w u, (velocities,).
         moved: w (u - slip), with which surfaces move.
-        friction: what w slip dissipates.
+        friction: what w slip dissipates, less what tractions along the normals do on it.
         near_jumps: whether w is not 1 everywhere.
     """
 
@@ -138,7 +138,11 @@ def _tested(system: StokesSystem, nodal: NodalSolution) -> _Tested:
     every_slip = slip_of(system, nodal)
     slip, forces = every_slip[: len(u)], system.facets.forces(every_slip)[0][: len(u)]
     slid = weight * slip
-    return _Tested(u, slip, weight * u, weight * u - slid, float(forces @ slid), w is not None)
+    friction = float(forces @ slid)
+    # int phi n . s = 0, not that of w s: on curved walls tractions along n work on it.
+    if w is not None:
+        friction -= float((nodal.reaction[: len(u)] + forces)[system.layout.slip] @ slid[system.layout.slip])
+    return _Tested(u, slip, weight * u, weight * u - slid, friction, w is not None)
 
 
 def _sums(system: StokesSystem, nodal: NodalSolution, tested: _Tested) -> _Sums:

@@ -43,6 +43,9 @@ TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 OPTIMISED = 100_000
 # Of the smaller radius: where a gap is narrower, two layers of cells take many times the iterations of one.
 NARROW = 0.01
+# Of the largest radius: so far sides of a cell move where gmsh fails. It does where one is the plane of the
+# seam or of a pole of its spheres, as at places on the grid of those that are tried.
+ASIDE = 0.02
 
 # Cells, round surfaces by their tags, and of a periodic domain which bodies images are.
 type _Filled = tuple[StraightCells, dict[int, RoundSurface], Indices | None]
@@ -102,8 +105,23 @@ def fill(domain: FluidDomain, resolution: Resolution) -> StraightTetrahedra:
 
 
 def _filled(asked: Spacing) -> _Filled:
+    """Cells of these sizes; where gmsh fails between sides of a periodic domain, with these elsewhere."""
+    try:
+        return _filled_between(*_opened(asked))
+    except TouchingError:
+        raise
+    except MeshError as error:
+        if len(asked.domain.container.periods) == 0:
+            raise
+        spacing, of = _opened(asked, ASIDE)
+        try:
+            return _filled_between(spacing, of)
+        except MeshError:
+            raise error from None
+
+
+def _filled_between(spacing: Spacing, of: Indices | None) -> _Filled:
     """Cells of these sizes, those between surfaces halved."""
-    spacing, of = _opened(asked)
     layers = choose(_gaps(spacing), spacing)
     outside = halved(_outside(spacing, layers), spacing.side_tag - 1)
     return *_completed(outside, spacing, layers), of
@@ -128,8 +146,11 @@ def _parted(domain: FluidDomain, resolution: Resolution) -> _Filled | None:
     return (cells, surfaces, of) if volumes(cells.vertices, cells.cells).min() > 0.0 else None
 
 
-def _opened(spacing: Spacing) -> tuple[Spacing, Indices | None]:
-    """A periodic domain between sides, which have the tag after the last wall's; which bodies images are."""
+def _opened(spacing: Spacing, aside: float = 0.0) -> tuple[Spacing, Indices | None]:
+    """A periodic domain between sides, which have the tag after the last wall's; which bodies images are.
+
+    aside: how far the sides are from where they lie best, each a little farther than the one before.
+    """
     domain = spacing.domain
     if len(domain.container.periods) == 0:
         return spacing, None
@@ -139,6 +160,7 @@ def _opened(spacing: Spacing) -> tuple[Spacing, Indices | None]:
     gaps = [gap for gap in find_gaps(around) if anywhere.distances(gap.middle()[None]).min() >= 0.0]
     middles = np.array([gap.middle() for gap in gaps]).reshape(-1, 3)
     sides = choose_sides(domain, middles, np.array([WIDEST / CLEARANCE * gap.smallest for gap in gaps]))
+    sides = sides.moved(aside)
     every, of = images(domain, sides, reach)
     return replace(spacing, domain=every, sides=sides, of=of), of
 

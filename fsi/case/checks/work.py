@@ -63,7 +63,8 @@ def check_work(case: Case) -> str | None:
 def _check_gaps(case: Case) -> None:
     """No gap is narrower than what is resolved."""
     if (what := too_narrow(case.configuration(), case.container(), case.names)) is not None:
-        raise InputError(f'bodies: {what}; widen it or give model = "reduced"')
+        shaped = case.configuration().shaped or case.domain.profiled  # which other levels do not know
+        raise InputError(f"bodies: {what}; widen it{'' if shaped else ' or give model = "reduced"'}")
 
 
 def _check_mesh(case: Case) -> float:
