@@ -1,9 +1,8 @@
 """Write the mesh of any step, through meshio.
 
-A file has curved triangles and the tagged edges of bodies and walls; in space curved tetrahedra and tagged
-triangles. In .msh files the tags are physical
-groups that bear the names of the bodies and walls, as `fsi.meshes.files.read` wants them; in .vtu files they
-are the cell data `tag`.
+A file has curved triangles and the tagged edges of bodies and walls, which have the fluid on their left; in
+space curved tetrahedra and tagged triangles. In .msh files the tags are physical groups that bear the names
+of the bodies and walls, as `fsi.meshes.files.read` wants them; in .vtu files they are the cell data `tag`.
 """
 
 from __future__ import annotations
@@ -26,6 +25,7 @@ from fsi.meshes.build import FluidMesh
 from fsi.meshes.cells.curved import CurvedCells, barycentric, reference_points
 from fsi.meshes.cells.lagrange import lattice, lattice_in_space
 from fsi.meshes.errors import MeshFileError
+from fsi.meshes.geometry.jets import cross
 from fsi.meshes.planar.triangulate import places_of, side_keys
 
 VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}
@@ -158,11 +158,20 @@ def gmsh_order(order: int, dimension: int) -> NDArray[np.int64]:
 
 
 def _facet_nodes(cells: CurvedCells) -> Indices:
-    """All nodes of the tagged facets in the order of basix, (F, nodes); edges have their ends first."""
+    """All nodes of the tagged facets in the order of basix, (F, nodes).
+
+    Edges have their ends first, and the fluid on their left.
+    """
     d = cells.nodes.shape[1]
     columns = facet_columns(cells.order, d)
     sides, n = cells.cells[:, columns].reshape(-1, columns.shape[1]), len(cells.nodes)
-    facets: Indices = sides[places_of(side_keys(cells.edges, n), side_keys(sides[:, :d], n))[0]]
+    at = places_of(side_keys(cells.edges, n), side_keys(sides[:, :d], n))[0]
+    facets: Indices = sides[at]
+    if d == 2:
+        opposite = cells.cells[at // 3, at % 3]
+        a, b, c = (cells.nodes[k] for k in (*facets[:, :2].T, opposite))
+        right = cross(b - a, c - a) < 0.0
+        facets[right] = facets[right][:, [1, 0, *range(cells.order, 1, -1)]]
     return facets
 
 

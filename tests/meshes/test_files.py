@@ -17,6 +17,7 @@ from dolfinx import fem
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
+from fsi.case.load import parse_case
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.read import read_mesh
@@ -26,6 +27,7 @@ from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.triangulate import gmsh_model
 from fsi.meshes.resolution import Resolution
+from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, mesh, resting
@@ -56,6 +58,32 @@ def test_msh_round_trip(order: int, tmp_path: Path) -> None:
         force(read, SMALL_BOX, PAIR, motion), expected, atol=1e-12 * np.abs(expected).max()
     )
     assert [p.name for p in tmp_path.iterdir()] == ["pair.msh"]
+
+
+@pytest.mark.parametrize("degree", [2, 5])
+def test_lines_have_the_fluid_on_their_left(degree: int, tmp_path: Path) -> None:
+    """So that they go once around a body, clockwise; in narrow gaps some ran the other way."""
+    egg = {"kind": "fourier", "radius": 1.0, "orders": [3], "cosines": [0.1]}
+    ellipse = {"kind": "ellipse", "axes": [0.8, 0.85]}
+    bodies = [
+        {"name": "big", "shape": egg, "position": [-1.0, 0.2], "angle": 2.1},
+        {"name": "small", "shape": ellipse, "position": [0.880542, -0.2], "angle": 1.8},
+    ]
+    data = {
+        "name": "x", "fluid": {"viscosity": 1.0}, "discretisation": {"degree": degree}, "bodies": bodies,
+        "domain": {"lower": [-4.0] * 2, "upper": [4.0] * 2},
+    }  # fmt: skip
+    case = parse_case(data)
+    fluid = CaseMeshes(case).mesh(case.configuration(), 0.0)
+    write_mesh(fluid, tmp_path / "pair.msh", NAMES)
+    file = meshio.read(tmp_path / "pair.msh")
+    (lines,) = (k for k, block in enumerate(file.cells) if block.type.startswith("line"))
+    ends, tags = file.cells[lines].data[:, :2], file.cell_data["gmsh:physical"][lines]
+    for tag, outline in enumerate(case.configuration().outlines, 1):
+        a, b = file.points[ends[tags == tag].T]
+        np.testing.assert_allclose((b - a).sum(axis=0), 0.0, atol=1e-12)
+        area = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()
+        assert area == pytest.approx(-outline.area, rel=0.02)  # of the polygon of the ends
 
 
 @pytest.mark.parametrize("order", [2, 3, 4, 5, 6])
