@@ -25,10 +25,10 @@ def wavy(walls: dict[str, Any]) -> Case:
 
 
 def test_without_bodies_the_dissipation_has_the_tolerance() -> None:
-    """Its bar is 8.7e-4 of it with the sizes of the case."""
+    """Its bar is 5.9e-4 of it with the sizes of the case, whose cells are small at both ends of the wave."""
     case = wavy({"left": {"pressure": 1.0}, "right": "open"})
     rough, solved = solve_with_errors(without_tolerance(case)), solve_with_errors(case)
-    assert rough.errors.dissipation > 8e-4 * rough.solution.dissipation
+    assert rough.errors.dissipation > 5e-4 * rough.solution.dissipation
     assert solved.error == solved.errors.dissipation / solved.solution.dissipation <= 2e-4
 
 
