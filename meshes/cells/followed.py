@@ -46,7 +46,10 @@ def centres(tags: Indices, ends: tuple[Array, Array], curves: Sequence[Curve]) -
     """
     arcs = [(curve.tag, curve.centre, curve.nodes) for curve in curves if curve.centre is not None]
     of = np.array([tag for tag, _, _ in arcs], dtype=np.int64)
-    circles = np.array([[*centre, _radius(centre, nodes)] for _, centre, nodes in arcs]).reshape(-1, 3)
+    around = np.array([centre for _, centre, _ in arcs]).reshape(-1, 2)
+    # Where the centre alone is known, it is the one of its tag.
+    begin = np.array([nodes[0] if len(nodes) else centre for _, centre, nodes in arcs]).reshape(-1, 2)
+    circles = np.column_stack([around, np.hypot(*(begin - around).T)])
     images = np.bincount(of, minlength=int(tags.max(initial=0)) + 1)
     # By tag and image, infinitely far where there are fewer.
     order, first = np.argsort(of, kind="stable"), np.cumsum(images) - images
@@ -64,8 +67,3 @@ def centres(tags: Indices, ends: tuple[Array, Array], curves: Sequence[Curve]) -
     straight = mixed[some] & (off[rows, nearest] > near)
     centre[some[straight]] = np.nan
     return centre
-
-
-def _radius(centre: Array, nodes: Array) -> float:
-    """Of a circle around a centre through nodes (n, 2); 0 where the centre alone is known."""
-    return float(np.hypot(*(nodes[0] - centre))) if len(nodes) else 0.0

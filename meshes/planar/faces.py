@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.arrays import Array
+from fsi.arrays import Array, parted
 from fsi.meshes.errors import MeshError
 from fsi.meshes.planar.links import NeighbourLinks
 from fsi.meshes.planar.sizing import Surfaces
@@ -63,6 +63,9 @@ class HalfLinks:
         self.along = np.concatenate([links.along, -links.along])
         self.foot = np.concatenate([links.feet[:, 0], links.feet[:, 1]])
         self.angle = links.turns.T.ravel()
+        order = np.argsort(self.origin, kind="stable")
+        nodes, first = np.unique(self.origin[order], return_index=True)
+        self._leaving = dict(zip(nodes.tolist(), parted(order, first[1:].tolist()), strict=True))
         for wall, curve in enumerate(surfaces.container.outline()):
             leave = np.flatnonzero(self.origin == surfaces.bodies + wall)
             begin, end = curve.ends
@@ -94,7 +97,7 @@ class HalfLinks:
         for _ in range(2 * self.count):
             arrived = self.twin(half)
             node, met = int(self.origin[arrived]), place + self.step[half]
-            leaving = np.flatnonzero(self.origin == node)
+            leaving = self._leaving[node]
             turn = (self.angle[arrived] - self.angle[leaving]) % TURN
             turn[leaving == arrived] = TURN
             half, least = int(leaving[np.argmin(turn)]), float(turn.min())

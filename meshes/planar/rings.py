@@ -12,7 +12,7 @@ from math import ceil, floor
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.arrays import Array, Indices
+from fsi.arrays import Array, Indices, parted
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.planar.facing import NARROW, FacedGap, on_circle
 from fsi.meshes.planar.sizing import Curve, Surfaces
@@ -176,5 +176,5 @@ def _on_arcs(surfaces: Surfaces, near: Neighbourhoods, angles: Array) -> list[tu
     x = place(np.concatenate(placed), of)
     half = 0.5 * resolution.opened(distance(x, of), smallest[of])
     opening = half[:, None] * (centres[of] - x) / radii[of][:, None]
-    after = np.cumsum([len(places) for places in placed])[:-1]
-    return list(zip(np.split(x, after), np.split(opening, after), strict=True))
+    after = np.cumsum([len(places) for places in placed])[:-1].tolist()
+    return list(zip(parted(x, after), parted(opening, after), strict=True))

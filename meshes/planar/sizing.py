@@ -27,7 +27,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.arrays import Array, Indices
+from fsi.arrays import Array, Indices, parted
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
@@ -220,7 +220,8 @@ class Surfaces:
         x[np.append(0, last[:-1])], x[last - 1] = ends[:, 0], ends[:, 1]
         opening = self._opening(x, wall[of], bends(x, of))
         tags = (self.bodies + 1 + wall).tolist()
-        chains = zip(curves, tags, np.split(x, last[:-1]), np.split(opening, last[:-1]), strict=True)
+        after = last[:-1].tolist()
+        chains = zip(curves, tags, parted(x, after), parted(opening, after), strict=True)
         return [Curve(tag, n, centre=c.centre, opening=o, body=c.solid) for c, tag, n, o in chains]
 
     def _opening(self, x: Array, wall: Indices, bend: Array) -> Array:
@@ -259,7 +260,7 @@ class Surfaces:
         length = ends[:, 1] - ends[:, 0]
         s, h, k = resolve_all(lambda s, k: self.sizes(at(s, k), length[k]), ends, pieces)
         at_once, of = equidistribute_all(s, 1.0 / h, k, np.ones(len(ends), dtype=np.int64))
-        placed = np.split(at_once, np.searchsorted(of, np.arange(1, len(ends))))
+        placed = parted(at_once, np.searchsorted(of, np.arange(1, len(ends))).tolist())
         for places, interval in zip(placed, ends, strict=True):
             places[[0, -1]] = interval
         return placed

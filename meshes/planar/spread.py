@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.arrays import Array, Indices
+from fsi.arrays import Array, Indices, parted
 from fsi.meshes.errors import MeshError
 
 MOST_HALVINGS = 60
@@ -136,7 +136,7 @@ def spread_all(
     some, number = alone[k], np.cumsum(alone) - 1
     least = np.maximum(1, np.rint(fewest[alone])).astype(np.int64)
     at, of = equidistribute_all(s[some], 1.0 / h[some], number[k[some]], least)
-    even, others = iter(np.split(at, np.searchsorted(of, np.arange(1, len(least))))), iter(placed)
+    even, others = iter(parted(at, np.searchsorted(of, np.arange(1, len(least))).tolist())), iter(placed)
     return [next(even if is_alone else others) for is_alone in alone]
 
 

@@ -8,6 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import accumulate
 
 import fsi.meshes.backend  # noqa: F401
 
@@ -15,7 +16,7 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.arrays import Array, Indices
+from fsi.arrays import Array, Indices, parted
 from fsi.machine.signals import held
 from fsi.meshes.errors import MeshError
 from fsi.meshes.helping import shared_out
@@ -73,7 +74,7 @@ def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
     Open curves share their end nodes; the chain of a closed curve ends where it starts.
     """
     x = np.concatenate([curve.nodes for curve in curves])
-    parts = np.split(np.arange(len(x)), np.cumsum([len(curve.nodes) for curve in curves])[:-1])
+    parts = parted(np.arange(len(x)), accumulate(len(curve.nodes) for curve in curves[:-1]))
     ends = [part[[0, -1]] for curve, part in zip(curves, parts, strict=True) if not curve.closed]
     corners = np.concatenate([*ends, np.empty(0, dtype=np.int64)])
     _, first, place = np.unique(x[corners], axis=0, return_index=True, return_inverse=True)

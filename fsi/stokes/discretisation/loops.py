@@ -15,7 +15,8 @@ type Numbers = NDArray[np.int32]
 @cache
 def loops() -> Any:
     """The loops in machine code, with `ffi` and `lib`; collective."""
-    names = ("cells", "pattern", "supervariables", "parts", "dissection", "merging", "groups", "components")
+    graph = ("supervariables", "parts", "dissection", "merging")
+    names = ("cells", "rows", "pattern", *graph, "groups", "components")
     sources = [Path(__file__).with_name(name) for name in names]
     return compile_c("fsi_cells", sources)
 
