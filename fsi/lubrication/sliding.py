@@ -4,11 +4,12 @@ With the tangents t of a pair, m = n x t (in the plane 1), V = (u_i - u_j).t and
 centres, two bodies have the rates
 
     slide   s = V - l_i omega_i.m - l_j omega_j.m,     l_i = a_i d/(a_i + a_j)
-    roll    a_r ((omega_i - omega_j).m + g s),         g = (1/a_i - 1/a_j)/2
+    roll    a_r ((omega_i - omega_j).m + g s),         g -> (1/a_i - 1/a_j)/2 as the gap vanishes
 
 and resist them by kappa of the law of shear, and of that of rotation over a_r^2. The loads of these rates are
 opposite forces along t where the arms meet, and a couple: a rigid motion of both costs nothing. By Reynolds'
-equation nothing couples the two rates of nearby surfaces; of equal discs nothing does at any gap.
+equation nothing couples the two rates of nearby surfaces. Of discs nothing does at any gap, with the g of
+`two_discs`; spheres have that of narrow gaps, and a coupling C beside it.
 
 Beside a wall, of curvature K along t (0 of a plane one), the laws are those of a body that moves along it and
 of one that turns in place,
@@ -33,6 +34,7 @@ from numpy.typing import NDArray
 
 from fsi.arrays import Array
 from fsi.lubrication.expansions import Mode
+from fsi.lubrication.two_discs import rolling_of_sliding
 
 # c of a sphere beside a wall at small gaps; that of a disc is 0.
 _COUPLING = {2: 0.0, 3: 0.25}
@@ -86,7 +88,7 @@ def slide_and_roll(
     """
     wall, a, b = pairs.is_wall, pairs.a, pairs.b
     a_r, (arm, arm_other) = pairs.radius, arms(a, b, pairs.gap)
-    g = 0.5 * (1.0 / a - 1.0 / b)
+    g = rolling_of_sliding(pairs.gap, a, b) if pairs.n.shape[1] == 2 else 0.5 * (1.0 / a - 1.0 / b)
     K = np.where(wall, pairs.curvature, 0.0)
     C = narrow_coupling(pairs, kappa) if coupling is None else coupling
     across, turn = np.where(wall, -a * K, a_r * g), np.where(wall, a, a_r * (1.0 - g * arm))

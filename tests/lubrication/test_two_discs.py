@@ -35,6 +35,8 @@ def test_the_resolved_flow_has_both_resistances(a: float, b: float, gap: float) 
     assert_allclose(1.0 / mobility[0, 0], two_discs.sliding_resistance(gap, a, b, 1.0), rtol=2e-5)
     found = np.linalg.inv(mobility)[1, 1]
     assert_allclose(found, two_discs.rolling_resistance(gap, a, b, 1.0), rtol=1e-4)
+    rolled = -mobility[1, 0] / mobility[0, 0]
+    assert_allclose(two_discs.rolling_of_sliding(gap, a, b), rolled, rtol=1e-5, atol=1e-6)
 
 
 def test_the_limit_of_small_gaps_is_that_of_reynolds() -> None:
@@ -67,6 +69,8 @@ def test_the_closed_forms_are_those_of_the_mobility(gap: float, a: float, b: flo
     rolling = 4.0 * np.pi * c**2 * np.linalg.inv(mobility)[1, 1]
     assert_allclose(two_discs.sliding_resistance(gap, a, b, 1.0), 4.0 * np.pi / mobility[0, 0], rtol=1e-7)
     assert_allclose(two_discs.rolling_resistance(gap, a, b, 1.0), rolling, rtol=1e-7)
+    rolled = -mobility[0, 1] / (c * mobility[0, 0])
+    assert_allclose(two_discs.rolling_of_sliding(gap, a, b), rolled, rtol=1e-7, atol=1e-9 / c)
 
 
 def test_a_large_disc_is_a_plane() -> None:

@@ -18,6 +18,7 @@ from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.lubrication import exact
 from fsi.lubrication.named_laws import GapFilm, exact_law
+from fsi.lubrication.two_discs import rolling_of_sliding
 from fsi.models import make_model
 from fsi.reduced.model import ReducedModel
 from tests.reduced_data import ALL, INERTIA, LEADING, heap, instant, reduced_case
@@ -114,6 +115,21 @@ def test_two_equal_discs_move_by_the_closed_forms(load: str) -> None:
     for mode, rate in rates.items():
         expected = 1.0 / unit[mode] if mode == load else 0.0
         assert rate == pytest.approx(expected, rel=0.01, abs=1e-7), mode
+
+
+@pytest.mark.parametrize(("a", "b", "gap"), [(1.0, 0.2, 0.1), (0.5, 1.0, 0.3), (1.0, 1.0, 0.1)])
+def test_two_unlike_discs_roll_as_they_slide_without_a_couple(a: float, b: float, gap: float) -> None:
+    """The power is S s^2 + R (rho + g s)^2: R and g R are what motions of s and rho alone cost together.
+
+    With the g of narrow gaps the first pair would have 1.25 times as much, the second 1.42.
+    """
+    d, bodies = a + b + gap, [{"name": "left", "radius": b, "position": [0.0, 50.0]}]
+    bodies += [{"name": "right", "radius": a, "position": [d, 50.0]}]
+    R = resistance(reduced_case(bodies, ALL | {"cutoff": 0.5}))
+    rolls = np.array([0.0, 0.0, 0.0, 0.0, a * d / (a + b), 1.0])
+    slides = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+    found = float(slides @ R @ rolls / (rolls @ R @ rolls))
+    assert found == pytest.approx(float(rolling_of_sliding(gap, a, b)), rel=1e-10, abs=1e-12)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.5, 3.0])
