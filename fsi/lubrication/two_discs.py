@@ -34,8 +34,9 @@ that slide roll by rho = -g s, and the power of both rates is
 
     (f/s) s^2 + (tau/rho) (rho + g s)^2,                    g = (b - a)/(a b) (1 + k D/a_r) tanh L / A
 
-At small gaps g is (1/a - 1/b)/2, and the resistances are sqrt2 pi mu (a_r/D)^(1/2) and 4 sqrt2 pi mu a_r^2 (a_r/D)^(1/2), whatever a/b is: those of
-Reynolds' equation. Relative error: a few 1e-16 for every gap and all radii.
+At small gaps g is (1/a - 1/b)/2, and the resistances are sqrt2 pi mu (a_r/D)^(1/2) and 4 sqrt2 pi mu a_r^2
+(a_r/D)^(1/2), whatever a/b is: those of Reynolds' equation. Relative error: a few 1e-16 for every gap
+and all radii.
 
 Source: derived here, in the coordinates of G. B. Jeffery, Proc. R. Soc. A 101 (1922) 169; the tests compare
 it with the mobility above, with the resolved flow, with Reynolds' limit, and with the closed forms beside a
