@@ -14,6 +14,7 @@ from fsi.case.section import refusal, toml_text
 from fsi.case.series import Table, polynomial
 from fsi.errors import InputError
 from fsi.gluey.limit import Limit, Path, slides_scheme, solve
+from fsi.meshes.geometry.container import Container
 
 SAMPLES = 400
 
@@ -62,6 +63,7 @@ def one_gap(case: Case) -> OneGap:
         )
     _require_known(case)
     q, U, end = case.configuration(), case.initial_velocity(), case.timing.end
+    container = case.container()
     if len(case.bodies) == 2:
         between = q.centres[1] - q.centres[0]
         axis = int(np.abs(between).argmax())
@@ -72,17 +74,17 @@ def one_gap(case: Case) -> OneGap:
                 f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with "
                 "the other one; `fsi limit` is for one gap"
             )
+        if walls := _facing(container, axis):
+            raise InputError(
+                f'domain: the bodies may meet its wall "{container.walls[walls[0]]}", and `fsi limit` is for '
+                'one gap; give two bodies shape = "unbounded"'
+            )
         upper, lower = (_accelerations(case, i, axis, n) for i, n in zip(sides, (1.0, -1.0), strict=True))
         rate = float(U[sides[0], axis] - U[sides[1], axis])
         return OneGap(gap, rate, _sum([*upper, *lower], end), end, float(q.radii.min()))
-    container = case.container()
     free = [axis for axis in range(case.dimension) if case.bodies[0].motion[axis] == "free"]
     axis = free[-1] if free else case.dimension - 1
-    facing = [
-        w
-        for w, name in enumerate(container.walls)
-        if name not in container.far_walls and container.corner_axes[w] == axis
-    ]
+    facing = _facing(container, axis)
     if not facing:
         raise InputError(
             "domain: no wall faces the body; `fsi limit` is for one gap; give a half-plane or a box"
@@ -93,6 +95,15 @@ def one_gap(case: Case) -> OneGap:
     rate, radius = n * float(U[0, axis]), float(q.radii[0])
     room = float(gaps.sum()) if len(facing) > 1 else np.inf
     return OneGap(float(gaps.min()), rate, _sum(_accelerations(case, 0, axis, n), end), end, radius, room)
+
+
+def _facing(container: Container, axis: int) -> list[int]:
+    """The walls across an axis, but for those that stand for infinity."""
+    return [
+        w
+        for w, name in enumerate(container.walls)
+        if name not in container.far_walls and container.corner_axes[w] == axis
+    ]
 
 
 def _accelerations(case: Case, i: int, axis: int, n: float) -> list[tuple[float, float | Table]]:

@@ -14,6 +14,7 @@ from tests.cli.test_commands import ROOT, call
 from tests.gluey.test_system import case_of
 from tests.ranks import needs_mpi, python_on
 
+ALONE = {"shape": "unbounded"}
 GRAVITY = {"kind": "gravity", "acceleration": [0.0, 1.0]}
 ATTRACTION = {"kind": "attraction", "law": "exponential", "strength": 1.0, "length": 1.0, "cutoff": 5.0}
 
@@ -22,7 +23,7 @@ def pair(**more: Any) -> Any:
     """Two discs of radius 1/2, masses 1 and 4, one 0.5 above the other, which falls at 1."""
     below = {"position": [0.0, 0.0], "mass": 1.0}
     above = {"position": [0.0, 1.5], "mass": 4.0, "initial_velocity": [0.0, -1.0]}
-    return case_of(below, above, **more)
+    return case_of(below, above, **({"domain": ALONE} | more))
 
 
 def test_buoyancy_drives_two_bodies_as_their_masses_differ() -> None:
@@ -44,7 +45,7 @@ def test_what_falls_together_has_no_force_apart() -> None:
 def test_gravity_does_not_move_what_is_held() -> None:
     """Above a held body the other one, of mass 4, has f = 1 of gravity upwards."""
     below = {"position": [0.0, 0.0], "mass": 1.0, "velocity": [0.0, 0.0]}
-    case = case_of(below, {"position": [0.0, 1.5], "mass": 4.0}, forces=[GRAVITY])
+    case = case_of(below, {"position": [0.0, 1.5], "mass": 4.0}, forces=[GRAVITY], domain=ALONE)
     assert one_gap(case).f(0.3) == pytest.approx(1.0, rel=1e-14)
 
 
@@ -63,6 +64,10 @@ def test_gravity_does_not_move_what_is_held() -> None:
         (
             {"gluey": {"eps": 0.1, "reference_gap": 1.0, "roughness": 0.01}},
             r"^gluey\.roughness = 0\.01: contact becomes solid there.*; drop it",
+        ),
+        (
+            {"domain": {"lower": [-9.0, -9.0], "upper": [9.0, 9.0]}},
+            r'^domain: the bodies may meet its wall "bottom", .*; give two bodies shape = "unbounded"$',
         ),
     ],
 )
