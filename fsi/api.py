@@ -106,6 +106,10 @@ class Solution:
         """The body of that name. Raises KeyError."""
         return dict(zip(self.case.names, self.bodies, strict=True))[name]
 
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a body of that name."""
+        return name in self.case.names
+
     def __iter__(self) -> Iterator[BodySolution]:
         """Body by body."""
         return iter(self.bodies)

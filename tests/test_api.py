@@ -44,6 +44,8 @@ def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance(tmp_path: Path
     disc = solution["disc"]
     assert disc.force[1] == pytest.approx(466.11048, rel=1e-5)
     assert [body.name for body in solution] == ["disc"]
+    assert "disc" in solution
+    assert "wall" not in solution
     # power: the dissipation is the force that the motion needs times its velocity
     assert solution.dissipation == pytest.approx(disc.force[1], rel=1e-9)
     u, p = solution.evaluate([[0.0, 2.100001], [0.0, 1.0], [0.0, 1e-9]])
@@ -59,6 +61,8 @@ def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance(tmp_path: Path
         ([4.0], "points have 1 components where this geometry has 2; give"),
         ([[0.0, 4.0], [1.0]], "points: are no numbers, or not as many of each point; give"),
         ([[np.nan, 1.0], [0.0, 4.0]], "points: not all are finite; give"),
+        (np.ma.masked_array([[0.0, 4.0]], mask=[[True, False]]), "points: not all are finite; give"),
+        ([[True, False]], "points: are no numbers"),
     ):
         for values_at in (solution.evaluate, solution.velocity):
             with pytest.raises(fsi.InputError, match=words):
@@ -69,6 +73,8 @@ def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance(tmp_path: Path
     assert solution.write(tmp_path / "fields" / "new")["fluid"] == ["fluid_000000.vtu"]
     R = solution.resistance()
     assert R.R[1, 1] == pytest.approx(disc.force[1], rel=1e-9)
+    with pytest.raises(ValueError, match="read-only"):  # the mobility would no longer be its inverse
+        R.R[0, 0] = 1.0
     assert "disc: V = [ 0. -1.]" in repr(solution)
     assert solution.errors is not None
     assert abs(disc.force[1] - 466.11048) < solution.errors.F[0, 1]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import fsi
@@ -42,6 +43,7 @@ def test_a_case_takes_arrays_and_numbers_of_numpy() -> None:
     body = DISC | {"radius": np.int64(1), "position": np.array([0, 2]), "force": (np.float32(0), -1.0)}
     assert reduced(bodies=[body]) == reduced()
     assert reduced(bodies=np.array([body], dtype=object)) == reduced()
+    assert reduced(bodies=[DISC | {"position": pd.Series([0.0, 2.0])}]) == reduced()
     with pytest.raises(fsi.InputError, match=r"^bodies\.0\.position\.0 = \[0\.0, 2\.0\]: must be a"):
         reduced(bodies=[DISC | {"position": np.array([[0.0, 2.0]])}])
 

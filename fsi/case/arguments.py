@@ -40,7 +40,7 @@ def same_folder(folder: Path | str) -> Path:
 
 
 def lists(value: Any) -> Any:
-    """The same data with lists and numbers of Python for those of NumPy, and texts for paths."""
+    """The same data with lists and numbers of Python for arrays of any kind, and texts for paths."""
     match value:
         case dict():
             return {key: lists(item) for key, item in value.items()}
@@ -50,5 +50,7 @@ def lists(value: Any) -> Any:
             return str(value)
         case np.ndarray() | np.generic():
             return lists(value.tolist()) if value.dtype == object else value.tolist()
+        case _ if hasattr(value, "__array__"):  # a column of pandas, a masked array
+            return lists(np.asarray(value))
         case _:
             return value

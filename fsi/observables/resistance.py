@@ -44,7 +44,7 @@ class Modes:
 
 @dataclass(frozen=True, slots=True)
 class Resistance:
-    """A resistance matrix and how it was computed.
+    """A resistance matrix, whose arrays are read-only, and how it was computed.
 
     Attributes:
         modes: of its rows and columns.
@@ -69,6 +69,12 @@ class Resistance:
     seconds: dict[str, float]
     mesh_instead: str = ""
     kind: str = "cells"
+
+    def __post_init__(self) -> None:
+        """Let nobody write to R, of which the mobility would no longer be the inverse."""
+        for values in (self.R, self.mobility, self.eigenvalues):
+            if values is not None:
+                values.flags.writeable = False
 
 
 @dataclass(frozen=True, slots=True)

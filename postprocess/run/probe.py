@@ -73,11 +73,11 @@ def given_points(points: ArrayLike, d: int) -> Array:
         x = np.asarray(points)
     except ValueError:  # rows of different lengths
         x = np.empty(0, dtype=object)
-    if x.dtype.kind not in "biuf":
+    if x.dtype.kind not in "iuf":
         raise InputError(f"points: are no numbers, or not as many of each point; give (n, {d}) numbers")
     if not x.size:
         return np.empty((0, d))
-    x = np.asarray(x, dtype=float)
+    x = np.ma.filled(np.ma.asarray(points, dtype=float), np.nan)
     if x.ndim not in (1, 2):
         raise InputError(f"points: an array of {x.ndim} dimensions; give (n, {d}) numbers")
     if x.shape[-1] != d:
