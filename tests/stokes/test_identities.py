@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fsi.arrays import Array
+from fsi.bodies.configuration import Motion
 from fsi.errors import SolveError
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import FluidDomain
@@ -112,6 +113,17 @@ def test_a_flow_that_nearly_violates_an_identity_is_refined(monkeypatch: pytest.
     again = solved(BOX, q, motion)
     assert bounds == [*3 * [REFINE_AT_FIRST_ABOVE], 0.0], "in the end all are refined"
     np.testing.assert_allclose(again.U, usual.U, rtol=1e-10)
+
+
+@pytest.mark.parametrize("load", [(3e-3, -4e-3, 0.0), (0.0, 0.0, 6e-4)])
+def test_a_small_load_beside_a_held_disc_holds(load: tuple[float, float, float]) -> None:
+    """At a gap of 1e-4 from a disc that takes 1e5 times as much it was 3e-7 off, a torque 1e-6; now 1e-12."""
+    q = discs([(0.0, 1.3), (0.0, 0.1599)], [1.0, 0.14])
+    U, F = np.array([[1.0, -1.0, 1.0], [0.0] * 3]), np.array([[0.0] * 3, load])
+    motion = Motion(np.array([[True] * 3, [False] * 3]), U, F)
+    solution = solved(BOX, q, motion, resolution=Resolution(0.5, 12, 0.5))
+    assert abs(solution.F[0, 1]) > 300.0
+    np.testing.assert_allclose(solution.F[1], load, rtol=0.0, atol=1e-9 * np.abs(load).max())
 
 
 def test_a_free_body_that_is_not_balanced_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ from fsi.case.case import Case
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.curves import rescaled
+from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.stretched import Stretched
 from fsi.stokes.meshes import CaseMeshes
 from fsi.stokes.model import StokesModel
@@ -87,6 +88,15 @@ def test_lengths_of_other_units_are_the_same_numbers() -> None:
     for unit in (1e3, 1e-9, 0.0254, 3.7):
         assert np.array_equal(rescaled(unit * x, 1.0 / unit), x)
     assert rescaled(0.1 + 0.2, 1.0) == 0.3 != 0.1 + 0.2
+
+
+@pytest.mark.parametrize("unit", [1e-9, 0.0254, 3.7])
+def test_ellipsoids_of_other_units_are_the_same_numbers(unit: float) -> None:
+    """One whose last bit was another one had another mesh, and velocities that differed by 7e-5."""
+    axes, centre = np.array([1.0, 0.6, 0.5]), np.array([1.5, 0.3, -0.6])
+    body = PlacedEllipsoid(Ellipsoid(unit * axes), unit * centre, np.zeros(3)).rescaled(1.0 / unit)
+    np.testing.assert_array_equal(body.form.half_axes, axes)
+    np.testing.assert_array_equal(body.centre, centre)
 
 
 def test_a_place_in_a_message_is_in_the_users_units() -> None:

@@ -47,7 +47,8 @@ from fsi.stokes.solvers.system import (
 )
 
 NARROW = 1e-5  # of a radius: such gaps are solved in extended precision
-
+# Part of the load of a body by which its balance may miss. Mostly it misses 1e-12, then nothing is refined.
+LOADS_TO = 1e-9
 
 type Responses = Callable[[Sequence[StokesSystem]], Iterator[NodalSolution]]
 
@@ -162,6 +163,7 @@ def _respond(
     of_modes += np.column_stack([load[unknown][:modes_here] for load in given])
     # Held modes that stand in y all the same are zero there: g has what they do.
     of_modes[~free.ravel()[unknown][:modes_here]] = 0.0
+    elimination.allowed = np.column_stack([_allowed(each)[unknown][:modes_here] for each in systems])
     solutions, residuals = _solutions(system.problem, solver, rhs)
     for each, offset, y, residual in zip(systems, g, solutions.T, residuals, strict=True):
         x = elimination.prolonged(y[:, None])[:, 0] + offset
@@ -173,3 +175,10 @@ def _respond(
         load = load_of(system, reaction)
         x, reaction = x.astype(float, copy=False), reaction.astype(float, copy=False)
         yield NodalSolution(x, reaction, load, moved, float(residual), solver.iterations)
+
+
+def _allowed(system: StokesSystem) -> Array:
+    """Defects of balances that are small beside the load that a body is given, (M N,); any where it is 0."""
+    arms = system.problem.q.arms
+    own = (np.abs(mode_equations(system)[1].reshape(arms.shape)) / arms).max(axis=1, keepdims=True)
+    return np.asarray(np.where(own > 0.0, LOADS_TO * own * arms, np.inf).ravel())

@@ -10,6 +10,9 @@ on no units. |r| / |b| would, and at a gap of 1e-8 radii pressures are so large 
 precision alone leaves 1e-8 in it, whatever the solver does, while forces are right to 1e-14; eps then is 2e-9
 at first and 5e-15 after one refinement in working precision (Skeel 1980, Math. Comp. 35:817).
 
+Beside a body in a narrow gap, which takes 1e5 times as much, eps says nothing of the load of another one. So
+an operator also tells which residuals are too large for the loads that its rows are of.
+
 Where nothing but friction mu / b on walls holds fluid and bodies they move with a velocity of size b, all
 alike. To store that in doubles leaves residuals of 1e-16 b at every node, whose power counts although the
 forces in the flow are of the order of one: eps is 7e-9 at b = 1e4. So what double precision leaves too large
@@ -67,6 +70,10 @@ class Operator(Protocol):
         """Its solutions up to rounding, by those of the matrix."""
         ...
 
+    def misses_loads(self, residual: Array) -> bool:
+        """Whether residuals are too large for a load, however small they are beside the others."""
+        ...
+
 
 class Factorisation(AbstractContextManager["Factorisation"]):
     """LDL^T of a symmetric indefinite matrix, for many right-hand sides; use it in a `with` statement.
@@ -114,7 +121,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
 
         b, x: this rank's rows, (rows, k); with x the residuals, measured as above, (k,), on all ranks. A
         block of some tens costs a tenth of as many single ones. With `extended`, or where doubles leave too
-        much, x is of extended precision. Refined are residuals above `refine_above`.
+        much, x is of extended precision. Refined are residuals above `refine_above`, or that miss a load.
         Raises RefusedError: a residual is not below 1e-9.
         """
         x, relative = self._solved(b, extended=self.extended)
@@ -132,7 +139,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         x = self._apply(b)
         residual = b - self._multiply(x)
         relative = self._measured(residual, x, b)
-        if self.refine_above < relative.max() < np.inf:
+        refine = relative.max() > self.refine_above or self._misses_loads(residual)
+        if refine and relative.max() < np.inf:
             x += self._apply(residual)
             relative = self._measured(b - self._multiply(x), x, b)
         enough = MEND_EXTENDED_ABOVE if extended else MEND_ABOVE
@@ -173,6 +181,10 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     def _apply(self, b: Array) -> Array:
         """The factors' solution of M x = b, not refined."""
         return self._solve(b) if self._operator is None else self._operator.solved(b, self._solve)
+
+    def _misses_loads(self, residual: Array) -> bool:
+        """As the operator says, the same on all ranks."""
+        return self._operator is not None and self._operator.misses_loads(residual)
 
     def _solve(self, b: Array) -> Array:
         right, x = self._dense(b), self._dense(np.zeros_like(b))

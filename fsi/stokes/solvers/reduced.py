@@ -56,6 +56,7 @@ class Elimination:
         reduced: the matrix of what of y `left` tells, without z and the rest of y.
         left: which of this rank's y groups of cells have not eliminated.
         constrained: the other rows of M.
+        allowed: residuals of the modes that suffice, (modes on this rank, k), infinite at first.
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class Elimination:
         self._P, self.reduced, self.left = P.matrix, self._sum.matrix, self._sum.left
         self.constrained = self._sum.constrained
         self.first_mode = self._prolongation.here - self._modes_here
+        self.allowed: Array = np.full((self._modes_here, 1), np.inf)
         self._factors: Factorisation | None = None
         self._exact: ExtendedMatrix | None = None
         self._sliding: PETSc.Mat | None = None
@@ -176,6 +178,11 @@ class Elimination:
         x = self.prolonged(np.vstack([y, b[here:]]))
         every = [self._cells.recovered(*pair)[inner] for pair in zip(x.T, loads.T, strict=True)]
         return np.vstack([y, np.column_stack(every)])
+
+    def misses_loads(self, residual: Array) -> bool:
+        """Whether residuals of the modes, the defects of balances, are not `allowed`; collective."""
+        of_modes = residual[self.first_mode : self.first_mode + self._modes_here]
+        return bool(self.layout.comm.bcast(bool(np.any(np.abs(of_modes) > self.allowed))))
 
     def tied(self, of_pressures: PETSc.Mat, free: NDArray[np.int64]) -> PETSc.Mat:
         """A matrix of all pressure nodes, summed over images; the same one where none has any; collective.
