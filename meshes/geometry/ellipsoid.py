@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from fsi.arrays import Array
-from fsi.meshes.geometry.curves import Sphere
+from fsi.meshes.geometry.curves import Sphere, rescaled
 from fsi.meshes.geometry.feet import Foot
 
 ROUNDS, STARTS = 60, 24
@@ -43,8 +43,8 @@ class Ellipsoid:
         return 4.0 / 3.0 * np.pi * float(self.half_axes.prod())
 
     def scaled(self, factor: float) -> Ellipsoid:
-        """With all lengths times a factor."""
-        return self if factor == 1.0 else Ellipsoid(factor * self.half_axes)
+        """With all lengths times a factor, to 15 digits."""
+        return self if factor == 1.0 else Ellipsoid(rescaled(self.half_axes, factor))
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class PlacedEllipsoid:
 
     def rescaled(self, factor: float) -> PlacedEllipsoid:
         """With all lengths times a factor, its centre's place too."""
-        return replace(self, form=self.form.scaled(factor), centre=factor * self.centre)
+        return replace(self, form=self.form.scaled(factor), centre=rescaled(self.centre, factor))
 
     # As a sphere that is stretched: what the curved sides of cells are made from.
 

@@ -1,4 +1,4 @@
-"""Element sizes towards corners of the container where the flow is singular.
+"""Element sizes towards corners of the container where the flow is singular, or where a bent wall ends.
 
 Near such a corner the flow varies over the distance r from it, so that cells must be small against r:
 
@@ -11,20 +11,29 @@ h_corner^1.19: of the order growth^7, above the sixth of what cubic elements mis
 jump that power is 2.74. Below SMALLEST of the container's size gmsh no longer finds its way, as areas of
 triangles far from the origin are rounded: of 40 boxes with cells of 1e-9 beside corners it lost a part of 14,
 with cells of 1e-8 of none.
+
+Where a wall with a shape ends in a corner, bent around the fluid, its elements may be a thirtieth of those
+of the wall that it meets. Of a triangle between the corner and two of them one angle is straight once they
+are curved, and it is refused. So sizes along the other wall, where that is straight, begin with those of the
+bent one.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fsi.arrays import Array
 from fsi.meshes.geometry.container import HERE, FluidDomain
+from fsi.meshes.geometry.curves import WallCurve
+from fsi.meshes.resolution import Resolution
 
 GROWTH = 2.0
 DEPTH = 6
 SMALLEST = 3e-8
+INSIDE = 1e-6  # of the length of a piece: so far from its end it bends as it does there
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +63,32 @@ class Grading:
         smallest = np.maximum(distances * (0.5 * growth) ** DEPTH, SMALLEST * size)
         return Grading(corners, smallest, GROWTH * growth)
 
+    @staticmethod
+    def beside_bends(curves: Sequence[WallCurve], resolution: Resolution) -> Grading:
+        """Towards the ends of shaped pieces that bend around the fluid and meet another wall there."""
+        corners, bends = list[Array](), list[float]()
+        for curve in curves:
+            others = [end for other in curves if other.wall != curve.wall for end in other.ends]
+            for k, corner in enumerate(curve.ends):
+                bend = _bend_around_fluid(curve, k)
+                if bend < np.inf and any(np.array_equal(corner, end) for end in others):
+                    corners.append(corner)
+                    bends.append(bend)
+        smallest = resolution.on_body(np.array(bends))
+        return Grading(np.array(corners).reshape(-1, 2), smallest, GROWTH * resolution.growth)
+
     def sizes(self, x: Array) -> Array:
         """The largest element size at points (n, 2), infinite without corners."""
         away = np.linalg.norm(x[:, None] - self.corners, axis=2)
         sizes: Array = np.maximum(self.smallest, self.slope * away).min(axis=1, initial=np.inf)
         return sizes
+
+
+def _bend_around_fluid(curve: WallCurve, end: int) -> float:
+    """The radius with which a piece bends around the fluid at its first or last end; else infinite."""
+    if curve.solid is None:
+        return np.inf
+    start, stop = curve.interval if end == 0 else curve.interval[::-1]
+    t = curve.solid.nearest(curve.at(np.array([start + INSIDE * (stop - start)])))
+    outline = curve.solid.outline
+    return float(outline.bend(t)[0]) if outline.curvature(t)[0] < 0.0 else np.inf

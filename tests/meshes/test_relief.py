@@ -16,9 +16,14 @@ from fsi.arrays import Array
 from fsi.case.profiles.profile import WallProfile
 from fsi.case.profiles.tip import TipOfWall
 from fsi.case.profiles.wave import Wave
+from fsi.meshes.build import build
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.geometry.jets import Jet
 from fsi.meshes.geometry.shaped import ShapedWalls
+from fsi.meshes.planar.boundary import boundary
+from fsi.meshes.planar.grading import Grading
+from fsi.meshes.resolution import Resolution
 
 BOX = Box((-3.0, 0.0), (3.0, 4.0))
 WAVE = Wave(kind="wave", height=0.3, length=0.8, number=3, start=-1.5)
@@ -151,3 +156,31 @@ def test_sizes_of_cells_follow_the_curvature_of_a_wall() -> None:
     bend = box(WAVE).bends(crest)[0, 2]
     assert bend == pytest.approx(2.0 / 0.3 * (0.8 / (2.0 * np.pi)) ** 2, rel=1e-6)
     assert box(WAVE).bends(np.array([[2.5, 0.1]]))[0, 2] == np.inf
+
+
+@pytest.mark.parametrize(("wall", "height"), [("bottom", 0.6), ("right", 0.3)])
+def test_a_wave_that_reaches_corners_is_meshed(wall: str, height: float) -> None:
+    """Elements of the wall beside it began 33 times as long; triangles between it and the corner lay flat.
+
+    They begin as long as those of the wave, whose radius is 1 / h'' = L^2 / (2 pi^2 height) there.
+    """
+    profile = Wave(kind="wave", height=height, length=1.0, number=8, start=-4.0)
+    walls = ShapedWalls.of(Box((-4.0, -4.0), (4.0, 4.0)), {wall: profile.heights()})
+    resolution, domain = (
+        Resolution(0.45, 32, 0.33),
+        FluidDomain(walls, np.array([[0.0, 0.0]]), np.array([0.6])),
+    )
+    fluid = build(domain, resolution, 4)
+    assert fluid.instead == ""
+    assert fluid.quality > 0.3
+    corner = np.array([4.0, -4.0])
+    away = [np.hypot(*(curve.nodes - corner).T) for curve in boundary(domain, resolution)]
+    first = sorted(np.partition(d, 1)[1] for d in away if d.min() == 0.0)
+    np.testing.assert_allclose(first, 2.0 * np.pi / 32 / (2.0 * np.pi**2 * height), rtol=0.05)
+
+
+def test_a_wave_that_bends_away_from_the_fluid_changes_nothing_beside_it() -> None:
+    walls = ShapedWalls.of(BOX, {"bottom": DIP.heights(), "left": WAVE.heights()})
+    assert len(Grading.beside_bends(walls.outline(), Resolution()).corners) == 0
+    dip = Wave(kind="wave", height=-0.3, length=1.0, number=6, start=-3.0)
+    assert len(Grading.beside_bends(box(dip).outline(), Resolution()).corners) == 0
