@@ -258,6 +258,20 @@ def test_the_points_of_a_spline_may_stand_in_a_file_beside_the_case(tmp_path: Pa
     assert parse_case(tomllib.loads(case.as_toml())) == case
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("text", "message"), [("", "no points"), ("# x, y\n\n", "no points"), ("x,y\n1,2\n", "'x'")]
+)
+def test_a_file_without_points_is_named(
+    text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """NumPy warned of an empty one, and what was refused was `points = []`."""
+    (tmp_path / "points.csv").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=rf'"points\.csv": cannot be read \(.*{message}'):
+        shaped({"kind": "spline", "points": "points.csv"})
+
+
 def test_a_shape_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     """One class: here an egg r = a (1 + cos(theta) / 4), of area pi a^2 (1 + 1/32)."""
     monkeypatch.setattr(BodyShape.registry, "sections", [*BodyShape.registry.all()])
@@ -281,7 +295,6 @@ def test_a_shape_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
             return polar(radius)
 
     case = shaped({"kind": "egg", "size": 2.0})
-    assert isinstance(case.bodies[0].shape, Egg)
     assert case.configuration().volumes[0] == pytest.approx(4.0 * np.pi * (1.0 + 1.0 / 32.0), rel=1e-13)
     with pytest.raises(InputError, match=r'bodies\.0\.shape\.kind = "eg": .*or "egg"'):
         shaped({"kind": "eg", "size": 2.0})

@@ -16,7 +16,7 @@ class HalfOutline(ShapeThroughPoints):
     kind: Literal["profile"]
     points: tuple[Place, ...] = Field(min_length=3)
     """the points [x, y] (with an axis [r, z]) from the lower end at x = 0 to the upper one, three or more, or
-    the path of a CSV file of x, y"""
+    the path of a CSV file of x, y without a header"""
 
     @model_validator(mode="after")
     def _right_half(self) -> "HalfOutline":

@@ -111,7 +111,10 @@ class BodyShape(AnyShape):
         with np.errstate(all="ignore"):
             inconsistency = self.outline.inconsistency
         if not inconsistency <= CONSISTENT:
-            raise ValueError("has derivatives that are not those of its points; correct its curve")
+            raise ValueError(
+                "has derivatives that are not those of its points; correct its curve, or have `fewest` of it "
+                "overlook no wave"
+            )
         if not self.outline.is_resolved:
             raise ValueError("is too slender or too jagged; give one that is rounder")
         if self.outline.area <= 0.0:

@@ -1,6 +1,7 @@
 """Closed splines through points."""
 
 from abc import abstractmethod
+from pathlib import Path
 from typing import Annotated, Any, Literal, override
 
 import numpy as np
@@ -29,9 +30,13 @@ class ShapeThroughPoints(BodyShape):
         if not isinstance(points, str):
             return points
         try:
-            table = np.loadtxt(points, delimiter=",", ndmin=2, dtype=float)
+            rows = [line.partition("#")[0] for line in Path(points).read_text().splitlines()]
+            if not any(row.strip() for row in rows):  # NumPy would warn, and name no file
+                raise ValueError("there are no points in it")
+            table = np.loadtxt(rows, delimiter=",", ndmin=2, dtype=float)
         except (OSError, ValueError) as error:
-            raise ValueError(f"cannot be read ({str(error).splitlines()[0]})") from None
+            reason = error.strerror if isinstance(error, OSError) else str(error).splitlines()[0]
+            raise ValueError(f"cannot be read ({reason})") from None
         return tuple(map(tuple, table.tolist()))
 
     @model_validator(mode="after")
@@ -66,7 +71,7 @@ class Spline(ShapeThroughPoints):
 
     kind: Literal["spline"]
     points: tuple[Place, ...] = Field(min_length=5)
-    """the points [x, y] counterclockwise, five or more, or the path of a CSV file of x, y"""
+    """the points [x, y] counterclockwise, five or more, or the path of a CSV file of x, y without a header"""
 
     @property
     @override
