@@ -19,10 +19,11 @@ from fsi.pores.orders import numbers_of
 from fsi.pores.places import in_discs, locate, off_corners
 from fsi.pores.pore_data import Complex, gathering, pore_data
 from fsi.pores.quadrature import WEIGHT, Points, Rule, points_at, pore_points, uniform
+from fsi.pores.regions import NEXT, OTHER
 from fsi.pores.system import PoreSystem
 
 _PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it
-_QUARTERS = 4  # of a fluid disc
+_ENDS = np.array([[NEXT[v], OTHER[v]] for v in range(3)])  # the vertices between which each side lies
 # Powers of the distance by which psi and its derivatives fall towards a corner, from where they are known.
 _AT_CORNER = np.array([3, 2, 2, 0, 0, 0])
 
@@ -55,24 +56,31 @@ class PoreMesh:
 
     Attributes:
         points: (n, 2), where the pores lie, not brought back into one period.
-        pore: of each patch, -1 in fluid discs, (P,).
+        pores: how many pores there are.
+        place: of each patch its pore, or behind them its fluid disc, (P,).
         ends: whether its first row is one point: of triangles, fluid discs, corners, (P,).
         corner: whether that point is a corner of two walls, (P,).
         field: at the points.
     """
 
     points: Array
-    pore: Indices
+    pores: int
+    place: Indices
     ends: NDArray[np.bool_]
     corner: NDArray[np.bool_]
     field: FluidField
 
     @property
-    def parts(self) -> list[Array]:
-        """The points by pore, and by fluid disc, (., n, 2)."""
-        pores = int(self.pore.max()) + 1
-        of_pores, of_discs = np.split(self.points.reshape(len(self.pore), -1, 2), [np.sum(self.pore >= 0)])
-        return [of_pores.reshape(pores, -1, 2), of_discs.reshape(-1, _QUARTERS * of_discs.shape[1], 2)]
+    def pore(self) -> Indices:
+        """Of each patch, -1 in fluid discs, (P,)."""
+        return np.where(self.place < self.pores, self.place, -1)
+
+    @property
+    def parts(self) -> list[tuple[Indices, Array]]:
+        """Places (n,) and points there (n, k, 2): by pore, then by patch of a fluid disc."""
+        in_pore, x = self.place < self.pores, self.points.reshape(len(self.place), -1, 2)
+        of_pores = x[in_pore].reshape(self.pores, -1, 2)
+        return [(np.arange(self.pores), of_pores), (self.place[~in_pore], x[~in_pore])]
 
 
 class Stream(Protocol):
@@ -158,6 +166,8 @@ class FlowFields:
     def mesh(self, order: int) -> PoreMesh:
         """A picture of the flow: strips, in as many patches as their gaps ask for, triangles, fluid discs.
 
+        A fluid disc has a patch for each that ends on its circle, with the same points there.
+
         Pores follow each other by number, so that all flows in the same pores have the same points.
         """
         system, jets, places = self.flow.system, [], []
@@ -169,28 +179,33 @@ class FlowFields:
             jets.append(stream_function(data, there, batch, numbers))
             places.append(there.places)
         by_number = np.argsort(np.concatenate([batch.pore for batch in system.assembly.batches]))
-        patches = 3 * pieces + 3
+        pores, patches = len(by_number), 3 * pieces + 3
         ends, corner = _first_rows(system.pores.sides, pieces)
-        r, disc = self._quarters(order)
         jet = np.concatenate(jets, axis=1)[:, by_number].reshape(6, -1)
-        points = np.concatenate(places)[by_number].reshape(-1, 2)
-        quarters = len(disc) // (order + 1) ** 2
+        x = np.concatenate(places)[by_number].reshape(pores, patches, order + 1, order + 1, 2)
+        r, disc = self._sectors(x[:, : 3 * pieces].reshape(pores, 3, pieces, order + 1, order + 1, 2))
+        own = np.repeat(disc, (order + 1) ** 2)
+        place = pores + np.cumsum(system.pores.surfaces.fluid) - 1
         return PoreMesh(
-            np.concatenate([points, system.pores.surfaces.centre[disc] + r]),
-            np.concatenate([np.repeat(np.arange(len(by_number)), patches), np.full(quarters, -1)]),
-            np.concatenate([ends, np.ones(quarters, bool)]),
-            np.concatenate([corner, np.zeros(quarters, bool)]),
-            FluidField.of(np.concatenate([jet, self._inner(disc, r)], axis=1)),
+            np.concatenate([x.reshape(-1, 2), system.pores.surfaces.centre[own] + r]),
+            pores,
+            np.concatenate([np.repeat(np.arange(pores), patches), place[disc]]),
+            np.concatenate([ends, np.ones(len(disc), bool)]),
+            np.concatenate([corner, np.zeros(len(disc), bool)]),
+            FluidField.of(np.concatenate([jet, self._inner(own, r)], axis=1)),
         )
 
-    def _quarters(self, cells: int) -> tuple[Array, Indices]:
-        """Points of quarters of fluid discs, from their centres, (n, 2), and the discs, (n,)."""
-        surfaces = self.flow.system.pores.surfaces
-        disc = np.flatnonzero(surfaces.fluid)
-        t = np.linspace(0.0, 1.0, cells + 1)
-        angle = 0.5 * np.pi * (np.arange(_QUARTERS)[:, None, None] + t)
-        one = (t[:, None] * np.stack([np.cos(angle), np.sin(angle)])).reshape(2, -1).T
-        return (surfaces.radius[disc, None, None] * one).reshape(-1, 2), np.repeat(disc, len(one))
+    def _sectors(self, strips: Array) -> tuple[Array, Indices]:
+        """Points of sectors of fluid discs, from their centres, (n, 2), and the disc of each sector.
+
+        strips: the patches of each side along and across them, (E, 3, pieces, k, k, 2).
+        """
+        fluid, k = self._shapes.fluid[:, _ENDS], strips.shape[3]
+        arcs = np.stack([strips[..., 0, :], strips[..., -1, :]], axis=2)  # on both surfaces of a side
+        r = arcs[fluid] - self._shapes.centre[:, _ENDS][fluid][:, None, None]
+        rows = np.linspace(0.0, 1.0, k)[:, None, None] * r[:, :, None]
+        disc = self.flow.system.pores.vertices[:, _ENDS][fluid]
+        return rows.reshape(-1, 2), np.repeat(disc, strips.shape[2])
 
 
 def _carried(jet: Array, place: Array, points: Array, gradient: Array) -> Array:

@@ -90,7 +90,10 @@ def errors_of(bodies: DrivenBodies, instant: PoreInstant) -> StepErrors:
     """The estimated errors of an instant, by one solve with other modes. Raises SolveError."""
     began = process_time()
     modes, factor = other_modes(instant.flow.system)
-    system = instant.flow.system.with_modes(modes)
+    try:
+        system = instant.flow.system.with_modes(modes)
+    except NoPoresError as error:
+        raise _named(bodies, error) from None
     other = _solved(bodies, system, None, process_time() - began)
     return step_errors(bodies, instant, Compared(other, factor, CHANCE, CHANCE))
 
@@ -105,6 +108,8 @@ def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple
         began = process_time()
         try:
             pair = adapt(system, drive, aim)
+        except NoPoresError as error:
+            raise _named(bodies, error) from None
         except SolveError as error:
             raise SolveError(f"pores.tolerance = {bodies.case.pores.tolerance!r}: {error}") from error
         of_finer, fine = drive.on(pair.fine.system), pair.fine
@@ -136,17 +141,21 @@ def _solved(
 
 def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
     """Pores and their matrix. Raises SolveError: no pores there, with the names of bodies and walls."""
-    case, container = bodies.case, bodies.case.container().at(bodies.t, bodies.q.strain)
-    surfaces = surfaces_of(bodies.q, container)
+    surfaces = surfaces_of(bodies.q, bodies.case.container().at(bodies.t, bodies.q.strain))
     try:
         pores = pores_without_wide(surfaces)
-        return PoreSystem.of(len(bodies.q), pores, fineness.at(pores), case.fluid.viscosity)
+        return PoreSystem.of(len(bodies.q), pores, fineness.at(pores), bodies.case.fluid.viscosity)
     except NoPoresError as error:
-        problem = error.between([*case.names, *(f"wall {name}" for name in container.walls)])
-        raise SolveError(
-            f'model = "pores" at t = {bodies.t:.9g}: no pores are found, as {problem}; give other places '
-            '(bodies.position), another domain, or model = "resolved"'
-        ) from None
+        raise _named(bodies, error) from None
+
+
+def _named(bodies: DrivenBodies, error: NoPoresError) -> SolveError:
+    """The error with the time, the names of bodies and walls, and a remedy."""
+    problem = error.between([*bodies.case.names, *(f"wall {name}" for name in bodies.case.container().walls)])
+    return SolveError(
+        f'model = "pores" at t = {bodies.t:.9g}: no pores are found, as {problem}; give other places '
+        '(bodies.position), another domain, or model = "resolved"'
+    )
 
 
 def drive_of(bodies: DrivenBodies, inertia: Inertia | None = None) -> PoreDrive:

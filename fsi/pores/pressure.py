@@ -64,11 +64,9 @@ class PressureField:
 
     def _periodic(self, mesh: PoreMesh, order: int) -> Array:
         """Without the part of G."""
-        pores, discs = mesh.parts
-        first = np.arange(len(pores) + len(discs))
-        of_forces = [self._beside(first[: len(pores)], pores), self._beside(first[len(pores) :], discs)]
+        of_forces = [self._beside(*part) for part in mesh.parts]
         p = 0.5 * vorticity(mesh.field.gradient) + np.concatenate(of_forces) - self._level
-        rows = p.reshape(len(mesh.pore), order + 1, order + 1)
+        rows = p.reshape(len(mesh.place), order + 1, order + 1)
         # In a corner of walls derivatives are quotients of zeros; the fluid rests there.
         rows[mesh.corner, 0] = rows[mesh.corner, 1].mean(axis=1, keepdims=True)
         return np.asarray(p)

@@ -16,6 +16,7 @@ from fsi.pores.topology import Pores
 
 # Of Newton's method: at most so many steps, the last of this part of the radius; normals that are parallel.
 _ROUNDS, _CLOSE, _ALIKE = 12, 1e-10, 1e-9
+_KEPT = 0.2, 0.8  # parts of an arc between which the inscribed circle may touch it
 NEXT, OTHER = [1, 2, 0], [2, 0, 1]  # the vertices v + 1 and v + 2, between which side v lies
 
 
@@ -30,7 +31,7 @@ class PoreShapes(NamedTuple):
         foot: where side v meets its first and its second surface, (E, 3, 2, 2).
         direction: unit vector of side v; of a corner of walls 0, (E, 3, 2).
         gap: length of side v, (E, 3).
-        touch: a point on the arc of each vertex, where the inscribed circle touches it, (E, 3, 2).
+        touch: a point on the arc of each vertex, as a rule where the inscribed circle touches it, (E, 3, 2).
         turn: +1 where side v runs as its neck is directed, -1 where it runs against it, (E, 3).
         reach: distance between centres (or to the wall) of the neck, the unit of length across it, (E, 3).
         fluid: whether a vertex is a disc of fluid, (E, 3).
@@ -155,20 +156,36 @@ def _meeting(first: Vertex, second: Vertex) -> Array:
 
 
 def _touch(vertices: list[Vertex], foot: Array) -> Array:
-    """Where the inscribed circle touches, kept between 0.2 and 0.8 of each arc, (E, 3, 2)."""
+    """Where the inscribed circle touches, kept between 0.2 and 0.8 of each arc, (E, 3, 2).
+
+    Where it touches beyond, a disc may hide one kept point from another. Strips end in the lines between
+    them, and would fold: the point on that disc is then where it is nearest to the line of the two others.
+    """
     bounds = Vertex(*(np.stack(part, axis=1) for part in zip(*vertices, strict=True)))
     middle = _inscribed(bounds, foot.mean(axis=(1, 2)))
-    touch = np.empty((len(foot), 3, 2))
-    for v, vertex in enumerate(vertices):
-        start, end = foot[:, OTHER[v], 0], foot[:, NEXT[v], 1]
-        along = end - start
-        t = np.sum((middle - start) * along, 1) / np.sum(along * along, 1)
-        straight = start + np.clip(t, 0.2, 0.8)[:, None] * along
-        s, e = start - vertex.centre, end - vertex.centre
-        full, part = _angle(s, e), _angle(s, middle - vertex.centre)
-        bent = vertex.centre + _rotated(s, np.clip(part / np.where(full == 0.0, 1.0, full), 0.2, 0.8) * full)
-        touch[:, v] = np.where((vertex.kind == WALL)[:, None], straight, bent)
+    arcs = [np.stack([foot[:, OTHER[v], 0], foot[:, NEXT[v], 1]]) for v in range(3)]
+    touch = np.stack([_kept(*pair, middle) for pair in zip(vertices, arcs, strict=True)], axis=1)
+    for v, (vertex, arc) in enumerate(zip(vertices, arcs, strict=True)):
+        here, first, second = touch[:, v], touch[:, NEXT[v]], touch[:, OTHER[v]]
+        away = np.stack([first - here, second - here])
+        hidden = (vertex.kind == DISC) & np.any(np.sum(away * (here - vertex.centre), axis=2) <= 0.0, axis=0)
+        if np.any(hidden):
+            x, y = (second - first)[hidden].T
+            nearest = vertex.centre[hidden] + np.stack([y, -x], axis=1)  # the disc is on the left of the line
+            touch[hidden, v] = _kept(vertex.of(hidden), arc[:, hidden], nearest)
     return touch
+
+
+def _kept(vertex: Vertex, arc: Array, x: Array) -> Array:
+    """The points of arcs, from the first to the second of (2, E, 2), towards x, (E, 2)."""
+    start, end = arc
+    along = end - start
+    t = np.sum((x - start) * along, 1) / np.sum(along * along, 1)
+    straight = start + np.clip(t, *_KEPT)[:, None] * along
+    s, e = start - vertex.centre, end - vertex.centre
+    full, part = _angle(s, e), _angle(s, x - vertex.centre)
+    bent = vertex.centre + _rotated(s, np.clip(part / np.where(full == 0.0, 1.0, full), *_KEPT) * full)
+    return np.where((vertex.kind == WALL)[:, None], straight, bent)
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -2,9 +2,9 @@
 
 Each patch of a pore is cut into Lagrange triangles of order 6 whose nodes carry velocity, stream function,
 vorticity, strain rate and, where there is one, pressure, and which have its mean gradient: a strip into two;
-a triangle, a strip that ends in a corner and a quarter of a fluid disc are one. All run counterclockwise.
-Where patches meet each has nodes of its own. In a periodic domain each patch stands where its middle is in
-one period.
+a triangle, a strip that ends in a corner and a sector of a fluid disc are one. All run counterclockwise.
+Where patches meet each has nodes of its own, in the same places. In a periodic domain each patch stands where
+its middle is in one period.
 """
 
 from pathlib import Path

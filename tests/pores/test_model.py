@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -21,9 +22,10 @@ from fsi.pores.adapt import finer
 from fsi.pores.bars import bar_factor, reference_modes
 from fsi.pores.fineness import Fineness
 from fsi.pores.instant import BOUND, PoreInstant
-from fsi.pores.model import PoreModel, driven
+from fsi.pores.model import PoreModel, adapted, driven, errors_of
 from fsi.pores.resistance import case_resistance, resistance_with_error
 from fsi.pores.surfaces import NoPoresError
+from fsi.pores.system import PoreSystem
 
 ROOT = Path(__file__).parents[2]
 COUETTE = ROOT / "cases" / "pores" / "couette_N10.toml"
@@ -249,6 +251,18 @@ def test_where_no_pores_are_found_the_bodies_and_walls_are_named(monkeypatch: py
         SolveError, match=r"as the fluid between circles of fluid is no pore; .* another domain"
     ):
         at_start(large, 1)
+
+
+def test_where_more_modes_find_no_pores_names_are_told_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For bars and for a tolerance; both had numbers in place of names, and no remedy."""
+    found, error = at_start(small(), 0), NoPoresError("the fluid between {} is no pore", 1, 2, -1)
+    monkeypatch.setattr(PoreSystem, "with_modes", Mock(side_effect=error))
+    between = "the fluid between other, wall bottom and circles of fluid"
+    message = f'^model = "pores" at t = 0: no pores are found, as {between} is no pore; give other places '
+    with pytest.raises(SolveError, match=message):
+        errors_of(found.bodies, found)
+    with pytest.raises(SolveError, match=message):
+        adapted(found.bodies, 0.1, Fineness.even(0))
 
 
 def test_sides_of_a_problem_have_their_names() -> None:
