@@ -13,6 +13,7 @@ from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work, require_room
 from fsi.case.load import load_case
+from fsi.case.sections import Time
 from fsi.errors import InputError
 from fsi.integration.evolution import Evolution, Moment
 from fsi.integration.state import State, StepRecord
@@ -119,10 +120,26 @@ def _case_of(run: RunFolder, overrides: Sequence[str]) -> tuple[Case, Changes]:
     case = load_case(run.case, overrides)
     changed = changes(run.kept.provenance, case)
     require_one_case(run.path, changed, run.checkpoint.state.t if run.checkpoint else 0.0)
+    if "time.end" in changed:
+        case = _with_default_step(case, run.kept.provenance["case"]["time"]["end"])
+        changed = changes(run.kept.provenance, case)
     if changed:
         check_work(case)
         require_room(case, run.path)
     return case, changed
+
+
+def _with_default_step(case: Case, end: float) -> Case:
+    """The case with the smallest step of its end, where it has that of the end before, which is stored too.
+
+    A first step that was given is no shorter, or the case would not be sound.
+    """
+    time = case.timing
+    if time.smallest_step != Time(end=end).smallest_step:
+        return case
+    default = Time(end=time.end).smallest_step
+    default = default if time.first_step is None else min(default, time.first_step)
+    return case.model_copy(update={"time": time.model_copy(update={"smallest_step": default})})
 
 
 def _restore(evolution: Evolution, memory: Mapping[str, NDArray[Any]], folder: Path) -> None:

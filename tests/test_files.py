@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fsi.errors import SolveError
 from fsi.files import appearing, replace
 from fsi.run_folder.paraview import write_points
 from fsi.runs import run
@@ -67,6 +68,26 @@ def test_two_processes_write_the_same_file_without_each_other(
         with appearing(path) as other:
             other.write_text("other")
     assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a.txt": "one"}
+
+
+def test_fields_that_find_no_room_tell_of_the_run_without_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Dropping output.fields from the case, which is true by default, changed nothing."""
+
+    def fsync(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    folder = tmp_path / "a run"
+    (folder / "fields").mkdir(parents=True)
+    monkeypatch.setattr(os, "fsync", fsync)
+    with pytest.raises(SolveError) as told:
+        write_points(folder / "fields" / "a.vtu", np.zeros((3, 2)), {})
+    resume = f"fsi resume '{folder}'"
+    assert str(told.value).endswith(
+        f"a.vtu: No space left on device; make room, or make it writable, and `{resume}`; or "
+        f"`{resume} --set output.fields=false`"
+    )
 
 
 def test_nothing_is_left_of_a_file_that_could_not_be_written(

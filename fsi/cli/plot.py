@@ -59,6 +59,7 @@ def plot(
 ) -> None:
     """Draw gap, speed, load and apparent viscosity against time, or strain, several runs over each other.
 
+    Of bodies that are no discs or spheres come the angles, where they turn.
     The folder of a calibration gives resistance against gap: samples, law and, where known, the exact curve.
     A single body that settles onto a plane comes with its exact law and that law's asymptote. A macroscopic
     run gives density, velocity and memory over x and t. The file that a benchmark writes with --json gives

@@ -10,6 +10,8 @@ from typing import Any, TextIO
 
 from fsi.errors import SolveError
 
+_UNBROKEN = "10000"  # columns: more than the help of any option has
+
 
 def prepare(*, silent: bool) -> None:
     """Make all streams ones that can be used; silent: standard output goes nowhere.
@@ -17,8 +19,11 @@ def prepare(*, silent: bool) -> None:
     Letters that the encoding lacks are written as their numbers. Where a stream was closed before the start,
     Python has None in its place. A reader that goes away is a BrokenPipeError and no signal: Python ignores
     that, but gmsh, as it starts, sets it back to end the program. COLUMNS=0 is a width that nobody knows, and
-    not that of a terminal without any.
+    not that of a terminal without any. Where the shell completes a word, to which each line is a candidate,
+    help is not broken into lines.
     """
+    if "_FSI_COMPLETE" in os.environ:
+        os.environ["COLUMNS"] = _UNBROKEN
     if os.environ.get("COLUMNS", "1").strip("0") == "":
         del os.environ["COLUMNS"]
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})

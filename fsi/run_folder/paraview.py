@@ -1,6 +1,7 @@
 """Files of ParaView: which file shows which time (.pvd), points and lines with numbers (.vtu)."""
 
 import re
+import shlex
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -102,10 +103,11 @@ def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> Non
 
 
 def write_vtu(path: Path, mesh: "meshio.Mesh") -> None:
-    """Write under a temporary name that is then the path's. Raises SolveError: the disk refuses."""
+    """Write a file of `fields` in a run folder, all of it or nothing. Raises SolveError: the disk refuses."""
     try:
         with appearing(path) as partial:
             mesh.write(partial, file_format="vtu")
     except OSError as error:
-        remedy = "make room or put that right, or drop output.fields, and go on with fsi resume"
+        resume = shlex.join(["fsi", "resume", str(path.parents[1])])
+        remedy = f"make room, or make it writable, and `{resume}`; or `{resume} --set output.fields=false`"
         raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error

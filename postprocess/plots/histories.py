@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
 from fsi.arrays import Array
+from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
 from fsi.postprocess.analysis.strain import accumulated_strain
@@ -43,6 +44,7 @@ _LAWS: dict[str, dict[str, Any]] = {
 _LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 _CONSTANT = 1e-6  # relative changes below it are rounding: the axis begins at zero
 _ROUNDING = 1e-12  # of the largest value: what is below it is not drawn on a logarithmic axis
+_DENSE = 200  # times of a law, evenly and by powers of ten
 _FEW = 5  # rows whose values are marked: one alone has no line
 _LONG = 100.0  # the same for the gap, from which on time is logarithmic too: discs slow down like t^-2
 
@@ -56,7 +58,7 @@ class RunHistory:
         t: the times, (steps,).
         strain: the strain at those times, of a sheared suspension; else None.
         panels: the curves of each panel by its title.
-        laws: exact and asymptotic gaps, where they are known.
+        laws: times and gaps of the exact law and its asymptote, where they are known.
         axisymmetric: whether its bodies are spheres on an axis.
     """
 
@@ -64,7 +66,7 @@ class RunHistory:
     t: Array
     strain: Array | None
     panels: dict[str, Curves]
-    laws: Curves
+    laws: dict[str, tuple[Array, Array]]
     axisymmetric: bool
 
 
@@ -79,15 +81,30 @@ def read_history(
     """The curves of a run; gap and singly as in `Asked`, curves as in `plot_runs`. Raises InputError."""
     if gap is not None and not run.viscous:
         raise InputError(f'--gap {gap}: model = "{run.case.model}" of {run.path} has no such curve; drop it')
-    t, laws = run.steps["t"].to_numpy(), {}
-    panels = {title: PANELS[title](Asked(run, gap, singly)) for title in panel_titles(curves)}
+    t = run.steps["t"].to_numpy()
+    asked = Asked(run, gap, singly, by_name=curves is not None)
+    panels = {title: PANELS[title](asked) for title in panel_titles(curves)}
     panels = {title: curves for title, curves in panels.items() if curves}
-    if run.viscous and gap is None:
-        with suppress(InputError):  # no exact law for this case
-            laws = {"exact": exact_gap(run.case, t), "asymptote": asymptotic_gap(run.case, t)}
+    laws = _laws(run.case, t) if run.viscous and gap is None else {}
     sheared = VISCOSITY in panels or ADDED_VISCOSITY in panels
     strain = _strain(run, t) if sheared else None
     return RunHistory(run.path.resolve().name, t, strain, panels, laws, run.case.axisymmetric)
+
+
+def _laws(case: Case, t: Array) -> dict[str, tuple[Array, Array]]:
+    """Times and gaps of the laws of a case up to the last of times t, none where there is no exact law.
+
+    The asymptote begins where it comes below the first gap: at first it is infinite.
+    """
+    with suppress(InputError):
+        later = t[t > 0.0]
+        fine = [np.linspace(t[0], t[-1], _DENSE), np.geomspace(later[0], t[-1], _DENSE) if later.size else t]
+        fine_t = np.unique(np.concatenate(fine))
+        exact, asymptote = exact_gap(case, fine_t), asymptotic_gap(case, fine_t)
+        late = asymptote <= exact[0]
+        laws = {"exact": (fine_t, exact), "asymptote": (fine_t[late], asymptote[late])}
+        return {law: curve for law, curve in laws.items() if curve[0].size}
+    return {}
 
 
 def plot_runs(
@@ -113,7 +130,8 @@ def plot_runs(
     titles = [title for title in asked if any(title in one.panels for one in histories)]
     if curves is not None and titles != asked:
         lacking = next(title for title in asked if title not in titles)
-        has = [t for t, read in PANELS.items() if any(read(Asked(run, gap, singly)) for run in runs)]
+        each = [Asked(run, gap, singly, by_name=True) for run in runs]
+        has = [title for title, read in PANELS.items() if any(read(of_run) for of_run in each)]
         raise InputError(f"--curves {curves}: the run has no {lacking!r}; it has {', '.join(has) or 'none'}")
     if not titles:
         raise InputError(f"{runs[0].path}: the run has no bodies and no apparent viscosity; nothing to draw")
@@ -147,8 +165,8 @@ def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
     values, single = [], len(histories) == 1
     for k, history in enumerate(histories):
         curves = history.panels.get(title, {})
-        for law, value in history.laws.items() if title == "gap" else ():
-            axes.plot(history.t, value, label=law, **_LAWS[law])
+        for law, curve in history.laws.items() if title == "gap" else ():
+            axes.plot(*curve, label=law, **_LAWS[law])
         for n, (name, value) in enumerate(curves.items()):
             colour, dash = COLOURS[n if single else k % len(COLOURS)], _DASHES[n % len(_DASHES)]
             label = plain(name if single else history.name if len(curves) == 1 else f"{history.name}: {name}")

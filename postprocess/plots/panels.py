@@ -19,6 +19,7 @@ from fsi.postprocess.run.gaps import parse_sides
 from fsi.postprocess.run.run import Run
 
 _NO_LOAD = 1e-8  # loads on free bodies are rounding, relative to viscosity times speed and to other bodies'
+_TURN = 1e-3  # radians, which nobody sees
 
 type Curves = dict[str, Array]  # values (steps,) by the name of a body, or of a law; none: nothing to draw
 
@@ -31,11 +32,13 @@ class Asked:
         run: what is drawn.
         gap: two sides as in `plot_runs`; None for the smallest gap of each body.
         singly: up to so many bodies have a curve each; of more it is the smallest, median and largest value.
+        by_name: whether `--curves` names the panel.
     """
 
     run: Run
     gap: str | None
     singly: int
+    by_name: bool = False
 
     @property
     def bodies(self) -> bool:
@@ -145,7 +148,24 @@ def _place(column: str) -> Callable[[Asked], Curves]:
     return read
 
 
+def _angle(column: str) -> Callable[[Asked], Curves]:
+    """The same of an angle; where no one asks for it only of bodies that seem to turn, each with a curve."""
+    everyone = _place(column)
+
+    def read(asked: Asked) -> Curves:
+        angles = everyone(asked)
+        if asked.by_name or not angles:
+            return angles
+        shaped = {body.name for body in asked.run.case.bodies if body.shape is not None}
+        return {name: angle for name, angle in angles.items() if name in shaped and np.ptp(angle) > _TURN}
+
+    return read
+
+
 for _column in dict.fromkeys(PLACES[2] + PLACES[3]):
-    register_panel(_column, _place(_column), on_demand=True)
+    if _column.startswith("angle"):
+        register_panel(_column, _angle(_column))
+    else:
+        register_panel(_column, _place(_column), on_demand=True)
 for _column in ("contacts", "largest_density", "smallest_gamma", "kinetic_energy"):  # of vanishing viscosity
     register_panel(_column.replace("_", " "), of_steps(_column))

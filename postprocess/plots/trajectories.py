@@ -58,7 +58,7 @@ def relative_path(run: Run, pair: str) -> Array:
 def plot_paths(run: Run, output: Path, relative: str | None = None, theme: Theme = LIGHT) -> None:
     """Draw the paths, with the bodies where they began and ended. Raises InputError."""
     names, radii = run.case.names, run.case.configuration().radii
-    if run.case.configuration().shaped:
+    if any(body.shape is not None for body in run.case.bodies):
         raise InputError("bodies: have shapes, but paths are drawn with discs; draw them by `fsi render`")
     with saved_figure(output, (7.0, 6.0), theme=theme) as figure:
         axes = figure.add_subplot(aspect="equal", adjustable="datalim", title=plain(run.case.name))

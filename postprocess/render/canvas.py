@@ -135,15 +135,18 @@ class Panel(_Canvas):
         shape = pv.PolyData(points, faces=counted(np.arange(7)[None])).triangulate()
         self.fill(shape.translate((0.0, 0.0, 3.0 * _LAYER)), self.theme.ink)
 
-    def bodies(self, q: Configuration, turning: bool, rims: bool = False) -> None:
-        """Draw the discs, each with a radius that turns with it where they can turn, perhaps with rims."""
+    def bodies(self, q: Configuration, turning: bool, rims: float = 0.0) -> None:
+        """Draw the discs, each with a radius that turns with it where they can turn.
+
+        rims: thousandths of the window that the lines around them are wide; 0 for none.
+        """
         seen = self._seen(q)
         if not seen.any():
             return
         polygons = body_polygons(q, seen, self.view, self.size)
         self.fill(filled(polygons).translate((0.0, 0.0, _LAYER)), self.theme.disc)
         if rims:
-            self.lines(outlined(polygons), INK, width=1.5, opacity=0.5, layer=1)
+            self.lines(outlined(polygons), INK, width=rims, opacity=0.5, layer=1)
         if turning:
             centres, angles = q.centres[seen], q.angles[seen]
             pointers = 0.8 * q.radii[seen, None] * np.column_stack([np.cos(angles), np.sin(angles)])

@@ -45,10 +45,12 @@ class Scale(ABC):
 
     Attributes:
         whole: whether it spans all values.
+        rims: thousandths of the window that lines around bodies are wide, as its middle is as pale as they.
         cut: at which ends of it others have the colour of the end.
     """
 
     whole: ClassVar[bool] = False
+    rims: ClassVar[float] = 0.0
     cut: ClassVar[Literal["neither", "both", "max"]] = "both"
 
     @abstractmethod
@@ -110,6 +112,8 @@ class Signed(Scale):
     On a plane to the largest size. Logarithmic on both sides, linear in between: films hold far larger values
     than others.
     """
+
+    rims = 3.0
 
     @override
     def span(self, values: Array, weights: Array) -> Span:

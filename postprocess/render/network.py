@@ -32,6 +32,14 @@ from fsi.postprocess.run.run import Run
 BODIES, CONTACTS, NECKS = "bodies", "contacts", "necks"
 _FLOOR = 0.9  # of half a window, below its middle: no wall is shown above it
 _LARGE = 0.15  # radius over half the window from which on lines do not widen with the bodies
+# What the signs of a field mean.
+_SIGNS = {
+    "force": " (+ pulls, - pushes)",
+    "gamma": " (- remembers a push)",
+    "impulse": " (+ pushes, - pulls)",
+    "solid": " (+ pushes)",
+}
+_TURNED = str.maketrans("+-", "-+")
 _DECADES = 300.0  # ratio of the largest value to the least that has a colour of its own
 _ROUNDING = 1e-6  # of the largest value: less on the other side of zero is none
 _WIDEST, _THINNEST = 0.5, 0.02  # of a line, over the median radius
@@ -85,14 +93,15 @@ class NetworkArtist(Artist):
         networks = [self._read(step) for step in steps]
         view = self._window(steps, networks)
         values, label = np.concatenate([network.values for network in networks]), self.field
+        signs = _SIGNS.get(self.field, "")
         if values.max(initial=0.0) <= 0.0 < -values.min(initial=0.0):  # pushes: their sizes are shown
             networks = [replace(network, values=-network.values) for network in networks]
-            values, label = -values, f"-{label}"
+            values, label, signs = -values, f"-{label}", signs.translate(_TURNED)
         shades = _shades(values, self.choice.span)
         draw = self._plane if self.run.case.dimension == 2 else self._space
         ends: Cut = "neither" if self.choice.span is None and shades.norm.vmin == 0.0 else "both"
         for step, network in zip(steps, networks, strict=True):
-            title = f"{self.lines}, width and colour by {label}" if values.size else f"no {self.lines}"
+            title = f"{self.lines}, width and colour by {label}{signs}" if values.size else f"no {self.lines}"
             meaning = shades if values.size else None
             framed = Framed(draw(step, network, view, shades), title, view.half, label, meaning, ends)
             yield compose(self.title(step), [framed], self.choice.theme)
@@ -147,7 +156,7 @@ class NetworkArtist(Artist):
         draw_open_walls(panel, self.run)
         if len(container.periods):
             q, _ = images(q, container, view)
-        panel.bodies(q, turning=False, rims=True)
+        panel.bodies(q, turning=False, rims=1.5)
         ends, values = _lines(network, container, view)
         if len(values):
             panel.colour(_bars(ends, values, self._widths(values, view, shades), view), shades)

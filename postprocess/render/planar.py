@@ -27,6 +27,7 @@ from fsi.postprocess.render.walls import draw_open_walls
 from fsi.postprocess.run.run import Run
 
 _STREAMLINES = 24
+_WIDE = 4.0  # radii of the largest body
 
 
 class PlanarArtist(FlowArtist):
@@ -67,8 +68,15 @@ class PlanarArtist(FlowArtist):
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         window = window_on(self.run, steps, self._mesh(steps[0]))
+        if len(self.panels) > 1 and all(self._is_wide(step, window) for step in steps):
+            self.panels = self.panels[:1]
         spans = self._spans(steps, window)
         return (self._picture(step, window, spans) for step in steps)
+
+    def _is_wide(self, step: int, window: View) -> bool:
+        """Whether the narrowest gap of a step is so wide that a close-up has nothing to show."""
+        gap = gap_at(self.run, step, None, window)
+        return gap.width > _WIDE * float(self.run.configuration(step).radii.max())
 
     def _spans(self, steps: Sequence[int], window: View) -> list[Span]:
         """The range of colours of each panel, over all those steps."""
@@ -99,7 +107,7 @@ class PlanarArtist(FlowArtist):
             panel = new_panel(seen.view, self.choice.size, self.choice.theme)
             draw_open_walls(panel, self.run)
             _draw(panel, seen, field, shades)
-            panel.bodies(seen.q, turning=not seen.axisymmetric)
+            panel.bodies(seen.q, turning=not seen.axisymmetric, rims=field.scale.rims)
             if gap is None:
                 panel.sliding(sliding_walls(self.run, step))
             if gap is None and len(scenes) > 1:

@@ -177,7 +177,7 @@ class SpatialArtist(FlowArtist):
             panel.lines(cut_cells(self.run, step, cut), INK, width=2, layer=0.5)
         period = self._period(step)
         shown = q if period is None else period.bodies(q, View(cut.centre, cut.half))
-        panel.bodies(cut.circles(shown), turning=False)
+        panel.bodies(cut.circles(shown), turning=False, rims=field.scale.rims)
         return panel.image()
 
 

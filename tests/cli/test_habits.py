@@ -27,11 +27,34 @@ def test_the_shell_completes_words(
         "_FSI_COMPLETE": "complete_bash",
         "COMP_WORDS": typed,
         "COMP_CWORD": str(typed.count(" ")),
+        "COLUMNS": "80",
     }.items():
         monkeypatch.setenv(name, value)
     assert fsi_command() == 0
     said = capsys.readouterr()
     assert (said.out.split(), said.err) == ([word], "")
+
+
+@pytest.mark.parametrize(
+    ("shell", "begin", "end"),
+    [("fish", "--field\tspeed, ", "."), ("zsh", '_arguments \'*: :(("--field":', "))'")],
+)
+def test_each_candidate_is_one_line(
+    shell: str, begin: str, end: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In a terminal of 80 columns the 118 letters of its help were two candidates, the second no option."""
+    for name, value in {
+        "_FSI_COMPLETE": f"complete_{shell}",
+        "_TYPER_COMPLETE_ARGS": "fsi render --fi",
+        "_TYPER_COMPLETE_FISH_ACTION": "get-args",
+        "COLUMNS": "80",
+    }.items():
+        monkeypatch.setenv(name, value)
+    assert fsi_command() == 0
+    line = capsys.readouterr().out.removesuffix("\n")
+    assert "\n" not in line
+    assert line.startswith(begin)
+    assert line.endswith(end)
 
 
 def test_a_run_names_the_next_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

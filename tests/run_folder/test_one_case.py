@@ -84,7 +84,10 @@ def test_a_changed_case_is_refused_by_its_keys_and_nothing_is_touched(name: str,
 
 
 def test_a_later_end_and_output_are_taken_and_recorded(tmp_path: Path) -> None:
-    """By --set and by an edited file; the steps that were there stay."""
+    """By --set and by an edited file; the steps that were there stay.
+
+    The smallest step is 1e-9 of the end, 1e-9 at last, not 5e-10 for good: nobody has given it.
+    """
     start(small_case(time={"end": 0.5, "tolerance": 1e-6, "first_step": 0.5}), tmp_path / "run")
     old = (tmp_path / "run" / "bodies.csv").read_bytes()
     resume(tmp_path / "run", make=EXACT, overrides=["time.end=0.75", "output.interval=0.125"])
@@ -98,13 +101,27 @@ def test_a_later_end_and_output_are_taken_and_recorded(tmp_path: Path) -> None:
     changed = [entry.get("changed") for entry in launches(tmp_path / "run")]
     assert changed == [
         None,
-        {"time.end": [0.5, 0.75], "output.interval": [0.25, 0.125]},
-        {"time.end": [0.75, 1.0]},
+        {
+            "time.end": [0.5, 0.75],
+            "time.smallest_step": [1e-9 * 0.5, 1e-9 * 0.75],
+            "output.interval": [0.25, 0.125],
+        },
+        {"time.end": [0.75, 1.0], "time.smallest_step": [1e-9 * 0.75, 1e-9]},
     ]
     case = load_case(tmp_path / "run" / "case.toml")
-    assert (case.timing.end, case.output.interval) == (1.0, 0.125)
+    assert (case.timing.end, case.timing.smallest_step, case.output.interval) == (1.0, 1e-9, 0.125)
     kept = json.loads((tmp_path / "run" / "provenance.json").read_text())["case"]
     assert kept == json.loads(json.dumps(case.as_data()))
+
+
+@pytest.mark.parametrize(("first", "smallest"), [(0.05, 1e-7), (0.25e-9, 0.25e-9)])
+def test_a_smallest_step_that_was_given_stays(first: float, smallest: float, tmp_path: Path) -> None:
+    """1e-9 of the end is no longer than a first step that was given, or the case would not be sound."""
+    given = {"smallest_step": smallest} if smallest > 1e-9 else {}
+    time = {"end": 0.2, "tolerance": 1e-6, "first_step": first, **given}
+    start(small_case(time=time), tmp_path / "run")
+    resume(tmp_path / "run", make=EXACT, overrides=["time.end=1"])
+    assert load_case(tmp_path / "run" / "case.toml").timing.smallest_step == smallest
 
 
 def gluey() -> Case:

@@ -65,7 +65,20 @@ def test_places_and_angles_over_time(run: fsi.Run) -> None:
     assert [*panels] == ["x", "angle"]
     np.testing.assert_allclose(panels["x"]["b"], [9.5, 11.0, 12.5])
     np.testing.assert_allclose(panels["angle"]["a"], [0.0, 0.5, 1.0])
-    assert "x" not in read_history(run).panels
+    assert [*read_history(run).panels] == ["gap", "speed"]
+
+
+def test_a_shape_that_seems_to_turn_has_its_angle_drawn(run: fsi.Run) -> None:
+    """Nothing else of an ellipse in shear moves; discs turn unseen, and 1e-6 radians are none."""
+    case = run.path / "case.toml"
+    case.write_text(CASE.replace("radius = 1.0", 'shape = { kind = "ellipse", axes = [1.0, 0.5] }'))
+    angles = read_history(fsi.open_run(run.path)).panels["angle"]
+    assert [*angles] == ["a"]
+    np.testing.assert_allclose(angles["a"], [0.0, 0.5, 1.0])
+    assert [*read_history(fsi.open_run(run.path), curves="angle").panels["angle"]] == ["a", "b"]
+    table = run.path / "bodies.csv"
+    table.write_text(table.read_text().replace("1.5,0.5,", "1.5,1e-6,").replace("1.5,1.0,", "1.5,2e-6,"))
+    assert "angle" not in read_history(fsi.open_run(run.path)).panels
 
 
 def write_turning_sphere(folder: Path) -> Path:
@@ -115,6 +128,20 @@ def test_figures_and_refusals(run: fsi.Run, capfd: pytest.CaptureFixture[str]) -
     ):
         assert fsi_command("plot", run.path, *words) == 2
         assert message in capfd.readouterr().err
+
+
+def test_discs_over_profiled_walls_have_paths(run: fsi.Run, drawn: list[Figure]) -> None:
+    """Two circles for each of the two, at both ends; bodies with shapes of their own are refused."""
+    wave = '{ kind = "wave", height = 0.1, length = 1.0, number = 2, start = 1.0 }'
+    walls = CASE.replace('periodic = ["x"]', f"profiles.bottom = {wave}")
+    walls = walls.replace("[0.0, 0.0]", "[-4.0, 0.0]").replace("10.0,", "14.0,")
+    (run.path / "case.toml").write_text(walls)
+    plot_paths(fsi.open_run(run.path), run.path / "a.png")
+    assert len(drawn[0].axes[0].patches) == 4
+    ellipse = CASE.replace("radius = 1.0", 'shape = { kind = "ellipse", axes = [1.0, 0.5] }')
+    (run.path / "case.toml").write_text(ellipse)
+    with pytest.raises(InputError, match="bodies: have shapes, but paths are drawn with discs"):
+        plot_paths(fsi.open_run(run.path), run.path / "a.png")
 
 
 @pytest.mark.parametrize(("gamma", "ends"), [(-4e-14, (-1.0, 1.0)), (-0.5, (-0.5, 0.0))])

@@ -197,6 +197,31 @@ def test_contacts_that_are_none_are_refused(pile: Path) -> None:
         NetworkArtist(fsi.open_run(pile), Choice())
 
 
+@pytest.mark.parametrize(
+    ("name", "values", "title"),
+    [
+        ("force", [-1.0, 2.0], "force (+ pulls, - pushes)"),
+        ("force", [-1.0, -2.0], "-force (- pulls, + pushes)"),
+        ("gamma", [-1.0, -2.0], "-gamma (+ remembers a push)"),
+        ("impulse", [1.0, 2.0], "impulse (+ pushes, - pulls)"),
+        ("solid", [1.0, 2.0], "solid (+ pushes)"),
+        ("gap", [1.0, 2.0], "gap"),
+    ],
+)
+def test_titles_say_what_signs_mean(
+    name: str, values: list[float], title: str, pile: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The force of a gap is that on its opening, the impulse of a contact against its closing."""
+    blank = np.zeros((50, 100, 3), dtype=np.uint8)
+    monkeypatch.setattr(NetworkArtist, "_plane", lambda *_: blank)
+    monkeypatch.setattr(network, "compose", lambda _, panels, __: panels)
+    path = pile / "fields" / "contacts_000000.vtu"
+    lines = meshio.read(path)
+    meshio.Mesh(lines.points, lines.cells, cell_data={name: [np.array(values)]}).write(path)
+    (framed,) = NetworkArtist(fsi.open_run(pile), Choice(name)).pictures([0])
+    assert [panel.title for panel in framed] == [f"contacts, width and colour by {title}"]
+
+
 @pytest.mark.usefixtures("drawing")
 def test_without_contacts_nothing_has_a_colour(pile: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A bar from 0 to 1 would be of no number in the run."""

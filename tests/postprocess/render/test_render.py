@@ -18,6 +18,7 @@ from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.postprocess.render import canvas
 from fsi.postprocess.render.picture import round_length
+from fsi.postprocess.render.planar import PlanarArtist
 from fsi.postprocess.render.render import render_run
 from fsi.postprocess.render.view import Choice, View, around_bodies
 
@@ -60,6 +61,27 @@ def test_nothing_is_cut_off(run: Path) -> None:
     picture = drawn(run, run / "flow.png", Choice(size=200))[..., :3]
     for border in (picture[0], picture[-1], picture[:, 0], picture[:, -1]):
         assert border.min() == 1.0
+
+
+@pytest.mark.parametrize(("radius", "panels"), [(0.25, 2), (0.2, 1)])
+def test_wide_gaps_have_no_close_up(
+    radius: float, panels: int, run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Below the disc at 1.2 they are 3.8 and 5 radii wide; up to 4 there is something to see."""
+    case = run / "case.toml"
+    case.write_text(case.read_text().replace("radius = 1.0", f"radius = {radius}"))
+    monkeypatch.setattr(PlanarArtist, "_spans", lambda *_: [])
+    monkeypatch.setattr(PlanarArtist, "_picture", lambda painter, *_: len(painter.panels))
+    assert [*PlanarArtist(fsi.open_run(run), Choice()).pictures([0, 2])] == [panels, panels]
+
+
+@pytest.mark.usefixtures("drawing")
+def test_bodies_have_rims_where_zero_is_as_pale(run: Path) -> None:
+    """The pressure is x: left of the top of the disc, at 2.2, is nothing below 0.93 of white but the rim."""
+    picture = drawn(run, run / "flow.png", Choice("pressure", span=(-50.0, 50.0), size=200))
+    top = round(28 + 200 * (1.0 - 2.2 / 5.0))
+    strip = picture[top - 4 : top + 4, 100:105, :3]
+    assert strip.max(axis=2).min() < 0.8
 
 
 @pytest.mark.slow
