@@ -29,7 +29,7 @@ above are unstable below z = -1.
 The solves say too how the loads change on the way to near places and velocities, dF, and the dissipation D,
 of which dD = 2 F . d + grad D . e. With mass the bars of both have this, each component by itself.
 
-A gap s strays by |grad s . e|, and the time at which the run has it by that over the rate s'.
+Of gaps, and of the times at which the run has them, see `fsi.integration.strayed_gaps`.
 """
 
 from collections.abc import Callable, Mapping
@@ -43,11 +43,12 @@ from numpy.typing import NDArray
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import LOADS, MODES, PLACES, Configuration, Inertia, Motion
-from fsi.bodies.gaps import nearest_gaps
+from fsi.bodies.surface_gap import narrowest_gap
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.relaxing import mean, relaxing, shrunk
 from fsi.integration.state import Model, State, Step
 from fsi.integration.strayed_angles import in_columns, places_of, turn_since, turned_along
+from fsi.integration.strayed_gaps import gap_bar, gap_gradient, gap_rate, way_of_gaps
 from fsi.meshes.geometry.container import Container
 
 # Of the smallest gap or radius, by which velocities are differenced: far above what a new mesh changes.
@@ -63,7 +64,6 @@ OF_CAUSES = np.array([1.0, VELOCITY_SAFETY])[:, None, None]
 # known to this part of the largest.
 HIDDEN = 0.1
 ROUNDING = 1e-9  # of the largest: what bodies with a given velocity miss in place
-SMALLER = 1e-3  # the same for gaps, which are exact
 
 
 def _none() -> Array:
@@ -98,6 +98,7 @@ class Strayed:
         widest: the larger |d| of its two ends, at the second without cancellation; not for the next step.
         loads: |dF| of its end, without cancellation, (2, N, M); not for the next step.
         lost: |grad D . e| there; not for the next step.
+        part: the bar of the smallest gap over that gap.
     """
 
     masses: Array | None
@@ -109,6 +110,7 @@ class Strayed:
     widest: Array = field(default_factory=_none)
     loads: Array = field(default_factory=_none)
     lost: float = 0.0
+    part: float = 0.0
 
     def follow(self, step: Step, errors: StepErrors, model: Model, container: Container) -> None:
         """Take a step, at whose end velocities and loads miss by `errors`; collective.
@@ -145,6 +147,17 @@ class Strayed:
         self.e = e + h * mean(d_before, d - z / h * eps) + eps
         widest = np.stack([np.abs(of_elements), np.abs(of_steps).sum(axis=0)])
         self.d, self.widest = d, np.maximum(np.abs(self.d), widest)
+        self._follow_gap(step, HIDDEN * (h * self.widest[0] + np.abs(eps[1])), container)
+
+    def _follow_gap(self, step: Step, hidden: Array, container: Container) -> None:
+        """Take a step in whose displacement `hidden`, (N, M), may have any sign."""
+        q = step.state.q
+        gap = narrowest_gap(q, container.at(step.state.t))
+        if gap is None or gap.width <= 0.0:
+            return
+        gradient = gap_gradient(q, gap)
+        least = self.part * gap.width + float(np.abs(gradient * hidden).sum())
+        self.part = gap_bar(gradient, self.e, least) / gap.width
 
     def _run(self, step: Step) -> Array:
         """What `run` shall be at the end of a step."""
@@ -198,7 +211,7 @@ class Strayed:
     def _carried(self, step: Step, e: Array, d: Array, model: Model, container: Container) -> _Change:
         """What the distances d become over a step that ends at the distances e, U, and what goes with it."""
         q, t, U = step.state.q, step.state.t, step.state.U
-        scale = SMALL * _scale(q, e, container.at(t))
+        scale = SMALL * way_of_gaps(q, e, container.at(t))
         if scale == 0.0:  # only d counts, of which the velocities are a linear function
             if not d.any():
                 return _Change(np.zeros_like(e), np.zeros_like(e))
@@ -214,8 +227,9 @@ class Strayed:
     def columns(self, state: State, container: Container) -> Mapping[str, float]:
         """Of steps.csv: how far the smallest gap has strayed, and the time at which the run has it."""
         q, now = state.q, container.at(state.t)
-        error = sum(abs(_gap_rate(q, e, now, lambda _: now)) for e in self.e)
-        rate = abs(_gap_rate(q, state.U, now, lambda after: container.at(state.t + after)))
+        gap = narrowest_gap(q, now)
+        error = gap_bar(gap_gradient(q, gap), self.e, self.part * gap.width) if gap else 0.0
+        rate = abs(gap_rate(q, state.U, now, lambda after: container.at(state.t + after)))
         return {"err_smallest_gap": error, "err_t": error / rate if rate > 0.0 else inf}
 
     def body_columns(self, q: Configuration, errors: ErrorEstimate) -> Mapping[str, Array]:
@@ -246,11 +260,13 @@ class Strayed:
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """What must be restored, by name."""
-        return {"strayed": np.stack([self.e, self.d, self.run, self.last])}
+        of_bodies = np.stack([self.e, self.d, self.run, self.last])
+        return {"strayed": of_bodies, "strayed_gap": np.array(self.part)}
 
     def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `memory` gave."""
         self.e, self.d, self.run, self.last = memory["strayed"]
+        self.part = float(memory["strayed_gap"])
 
 
 def _bars(arms: Array, distances: Array) -> Array:
@@ -275,19 +291,3 @@ def _of_elements(values: Array) -> Array:
 def _of_steps(values: Array) -> Array:
     """By cause: that of the steps alone."""
     return np.stack([np.zeros_like(values), values])
-
-
-def _gap_rate(q: Configuration, U: Array, now: Container, later: Callable[[float], Container]) -> float:
-    """s' of the smallest gap s of bodies that move with U, in a container that will be another one later."""
-    duration = SMALLER * _scale(q, U, now)
-    if duration == 0.0:
-        return 0.0
-    after = nearest_gaps(q.moved(duration * U), later(duration)).smallest()
-    return float(after - nearest_gaps(q, now).smallest()) / duration
-
-
-def _scale(q: Configuration, e: Array, container: Container) -> float:
-    """The smallest gap or radius over the length of e; zero if that is."""
-    length = float(np.abs(q.arms * e).max(initial=0.0))
-    smallest = min(nearest_gaps(q, container).smallest(), float(q.radii.min(initial=np.inf)))
-    return smallest / length if length > 0.0 else 0.0
