@@ -58,6 +58,14 @@ def test_a_case_takes_paths_for_files(tmp_path: Path) -> None:
     assert reduced(domain=domain, model="resolved").domain.mesh == str(mesh)
 
 
+def test_links_that_lead_in_a_circle_are_no_defect(tmp_path: Path) -> None:
+    """Python raises RuntimeError of them, which ended with exit code 70."""
+    mesh = tmp_path / "loop.msh"
+    mesh.symlink_to(mesh)
+    with pytest.raises(fsi.InputError, match=r"^domain\.mesh = .*: no such file"):
+        fsi.load_case(BOX, [f'domain.mesh="{mesh}"'])
+
+
 API: Any = fsi  # as those use it who check no types
 
 

@@ -15,6 +15,7 @@ import csv
 import io
 import json
 import math
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -148,7 +149,7 @@ def _body(path: Path, number: int, row: Any) -> dict[str, Any]:
 def _shape(path: Path, shape: Any) -> Any:
     """A shape as a case has it, with the path of its points absolute."""
     if isinstance(shape, dict) and isinstance(points := shape.get("points"), str):
-        shape = shape | {"points": str((path.parent / points).resolve())}
+        shape = shape | {"points": os.path.realpath(path.parent / points)}
     return tuples(shape)
 
 

@@ -67,7 +67,8 @@ def case_data(
         _put(data, key, deepcopy(value), f"{key}={toml_text(value)}")
     _check_model(path, data.get("model", MODELS[0]))
     for _, table, last in _paths(data):
-        table[last] = str((path.parent / table[last]).resolve())
+        # Where links lead in a circle `Path.resolve` would raise; who reads the file tells of it.
+        table[last] = os.path.realpath(path.parent / table[last])
     return data
 
 
