@@ -1,4 +1,8 @@
-"""How fast bodies without mass relax to a balance of loads in a step, and sums over what decays so."""
+"""How fast bodies without mass relax to a balance of loads in a step, and sums over what decays so.
+
+At rest steps are as long as stability allows, z = -2.5 of the default scheme, and bodies go from one side of
+the balance to the other. What they have strayed by stays on one side, as exp(z) > 0.
+"""
 
 import numpy as np
 
@@ -21,6 +25,18 @@ def relaxing(arms: Array, change: Array, w: Array) -> tuple[Array, Array]:
 def shrunk(z: Array) -> Array:
     """(exp(z) - 1) / z, for z <= 0."""
     return np.divide(np.expm1(z), z, out=np.ones_like(z), where=z < 0.0)
+
+
+def kept(z: Array, change: Array, e: Array, later: Array) -> Array:
+    """Where distances e have gone in a step: `later`, below z = -1 with their sign and at least what is left.
+
+    Their way is known to an order of the step only, and would there be longer than they are. Across the way
+    that a body takes to its balance nothing brings it back. All (N, M); change: h dU times the arms.
+    """
+    square = (change**2).sum(axis=1, keepdims=True)
+    along = np.divide(change**2, square, out=np.zeros_like(change), where=square > 0.0)
+    least = (1.0 + along * np.expm1(z)) * np.abs(e)
+    return np.where(z < -1.0, np.copysign(np.maximum(np.abs(later), least), e), later)
 
 
 def mean(d: Array, later: Array) -> Array:

@@ -24,7 +24,7 @@ z < 0, and with the scheme as R(z). For the pair 3(2) the estimate is z^3 (1 + z
 is zero at z = -1, but exp(z) - R(z) at most z^2 / 19 of h dU, with the change dU of the velocity. So another
 solve finds w = h J h dU, the ratio of w to h dU is z, and eps is not below STEP_SAFETY |z w| / 30. Near
 places are those to which e decays with exp(z), and what decays is summed as an exponential, as the rules
-above are unstable below z = -1.
+above are unstable below z = -1. There what steps have missed stays on its side, what relaxes by exp(z).
 
 The solves say too how the loads change on the way to near places and velocities, dF, and the dissipation D,
 of which dD = 2 F . d + grad D . e. With mass the bars of both have this, each component by itself.
@@ -45,7 +45,7 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import LOADS, MODES, PLACES, Configuration, Inertia, Motion
 from fsi.bodies.surface_gap import narrowest_gap
 from fsi.integration.errors import ErrorEstimate, StepErrors
-from fsi.integration.relaxing import mean, relaxing, shrunk
+from fsi.integration.relaxing import kept, mean, relaxing, shrunk
 from fsi.integration.state import Model, State, Step
 from fsi.integration.strayed_angles import in_columns, places_of, turn_since, turned_along
 from fsi.integration.strayed_gaps import gap_bar, gap_gradient, gap_rate, way_of_gaps
@@ -126,7 +126,7 @@ class Strayed:
             self.last = np.stack([self._at_first(step), places_of(step.state.q)])
             return
         none, carried = np.zeros_like(delta), partial(self._carried, step, model=model, container=container)
-        z = least = none
+        z = least = change = none
         if self.masses is None:
             change = h * (run[0] - self.run[0])
             z, least = relaxing(step.state.q.arms, change, h * carried(change, none).U)
@@ -144,7 +144,8 @@ class Strayed:
         self.lost = abs(by_elements.D) + abs(by_places.D)
         d = np.stack([of_elements, of_steps.sum(axis=0)])
         # d is that of places that have eps, which comes at the end of the step.
-        self.e = e + h * mean(d_before, d - z / h * eps) + eps
+        later = e + h * mean(d_before, d - z / h * eps)
+        self.e = np.stack([later[0], kept(z, step.state.q.arms * change, e[1], later[1])]) + eps
         widest = np.stack([np.abs(of_elements), np.abs(of_steps).sum(axis=0)])
         self.d, self.widest = d, np.maximum(np.abs(self.d), widest)
         self._follow_gap(step, HIDDEN * (h * self.widest[0] + np.abs(eps[1])), container)
