@@ -121,7 +121,7 @@ def _case_of(run: RunFolder, overrides: Sequence[str]) -> tuple[Case, Changes]:
     changed = changes(run.kept.provenance, case)
     require_one_case(run.path, changed, run.checkpoint.state.t if run.checkpoint else 0.0)
     if "time.end" in changed:
-        case = _with_default_step(case, run.kept.provenance["case"]["time"]["end"])
+        case = _with_default_step(case, before=changed["time.end"][0])
         changed = changes(run.kept.provenance, case)
     if changed:
         check_work(case)
@@ -129,13 +129,14 @@ def _case_of(run: RunFolder, overrides: Sequence[str]) -> tuple[Case, Changes]:
     return case, changed
 
 
-def _with_default_step(case: Case, end: float) -> Case:
+def _with_default_step(case: Case, before: object) -> Case:
     """The case with the smallest step of its end, where it has that of the end before, which is stored too.
 
-    A first step that was given is no shorter, or the case would not be sound.
+    before: that end, if the run's record has it. A first step that was given is no shorter, or the case would
+    not be sound.
     """
     time = case.timing
-    if time.smallest_step != Time(end=end).smallest_step:
+    if not isinstance(before, float) or before <= 0.0 or time.smallest_step != Time(end=before).smallest_step:
         return case
     default = Time(end=time.end).smallest_step
     default = default if time.first_step is None else min(default, time.first_step)

@@ -114,6 +114,19 @@ def test_a_later_end_and_output_are_taken_and_recorded(tmp_path: Path) -> None:
     assert kept == json.loads(json.dumps(case.as_data()))
 
 
+@pytest.mark.parametrize("end", [None, "0.5", -1.0])
+def test_a_record_without_its_end_is_no_defect(end: object, tmp_path: Path) -> None:
+    """Where the record of a run has been damaged its case is as it was, and goes on to the new end."""
+    start(small_case(time={"end": 0.5, "tolerance": 1e-6}), tmp_path / "run")
+    record = tmp_path / "run" / "provenance.json"
+    data = json.loads(record.read_text())
+    data["case"]["time"]["end"] = end
+    record.write_text(json.dumps(data))
+    resume(tmp_path / "run", make=EXACT, overrides=["time.end=0.75"])
+    case = load_case(tmp_path / "run" / "case.toml")
+    assert (case.timing.end, case.timing.smallest_step) == (0.75, 1e-9 * 0.5)
+
+
 @pytest.mark.parametrize(("first", "smallest"), [(0.05, 1e-7), (0.25e-9, 0.25e-9)])
 def test_a_smallest_step_that_was_given_stays(first: float, smallest: float, tmp_path: Path) -> None:
     """1e-9 of the end is no longer than a first step that was given, or the case would not be sound."""
