@@ -46,18 +46,19 @@ def require_writable(folder: Path, cache: Path) -> None:
 
 
 def write_calibration(folder: Path, result: CalibrationResult) -> None:
-    """Write the three files. Raises InputError if there can be no such folder.
+    """Write the three files. Raises InputError: there can be no such folder, or the disk takes no more.
 
     The summary, which tells that the folder is of a calibration, comes first: what is killed between two
     files is replaced when it is repeated.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        replace(folder / SUMMARY, (json_text(summary(result), indent=1) + "\n").encode())
+        save_law(folder / LAW, result.law)
+        replace(folder / SAMPLES, csv_of(_rows(result)).encode())
     except OSError as error:
-        raise InputError(f"output = {folder}: {error.strerror}; give a folder that can be written") from None
-    replace(folder / SUMMARY, (json_text(summary(result), indent=1) + "\n").encode())
-    save_law(folder / LAW, result.law)
-    replace(folder / SAMPLES, csv_of(_rows(result)).encode())
+        remedy = "make room, or give a folder that can be written"
+        raise InputError(f"output = {folder}: {error.strerror}; {remedy}") from None
 
 
 def summary(result: CalibrationResult) -> dict[str, Any]:

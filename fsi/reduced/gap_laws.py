@@ -253,10 +253,9 @@ class _Asked:
     def _of_file(self) -> LubricationLaw:
         """The law of a file at the viscosity of the fluid, not at that at which it was calibrated."""
         if not Path(self.name).is_file():
-            raise InputError(
-                f"{self._here}: there is no such law; give {names_of_laws(self.mode)} or the path of a law "
-                "file"
-            )
+            problem = "is a folder" if Path(self.name).is_dir() else "there is no such law"
+            remedy = f"give {names_of_laws(self.mode)} or the path of a law file"
+            raise InputError(f"{self._here}: {problem}; {remedy}")
         file = read_law_file(Path(self.name))
         if not file.suits(self._shape, self.mode):
             raise InputError(

@@ -7,17 +7,21 @@ import signal
 import subprocess
 import sys
 import time
+from errno import ENOSPC
 from math import pi, sqrt
+from os import strerror
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from numpy.testing import assert_allclose
 
+from fsi.calibration import calibrate
 from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.sampling import Sampling
 from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
+from fsi.errors import InputError
 from fsi.lubrication.laws import LubricationLaw
 from fsi.lubrication.named_laws import GapFilm, exact_law
 from tests.cli.test_commands import ROOT, call, complaint
@@ -167,6 +171,16 @@ def test_the_shipped_calibrations_give_the_laws_of_theory(name: str, tmp_path: P
     law = read_law_file(tmp_path / "out" / "law.toml").law()
     a = data["reduced_radius"]
     assert_allclose(law.kappa(data["range"][0] * a, a), data["samples"][0]["kappa"], rtol=1e-5)
+
+
+def test_a_disk_that_takes_no_more_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(ENOSPC, strerror(ENOSPC))
+
+    monkeypatch.setattr(calibrate, "summary", lambda _: {})
+    monkeypatch.setattr(calibrate, "replace", full)
+    with pytest.raises(InputError, match=r"^output = .*out: No space left on device; make room, or"):
+        calibrate.write_calibration(tmp_path / "out", cast(Any, None))
 
 
 @pytest.mark.parametrize("option", ["--output", "--cache"])

@@ -182,6 +182,8 @@ def test_a_drag_file_that_is_none_is_refused(tmp_path: Path) -> None:
         InputError, match=r"there is no such file; `fsi resistance CASE --drag FILE` writes one"
     ):
         channel(drag_from=str(tmp_path / "none.toml"))
+    with pytest.raises(InputError, match="is a folder; `fsi resistance CASE --drag FILE` writes one"):
+        channel(drag_from=str(tmp_path))
     (tmp_path / "drag.toml").write_text("drag = -1.0")
     with pytest.raises(InputError, match=r"drag\.toml: .*drag = -1\.0: .*greater than 0"):
         channel(drag_from=str(tmp_path / "drag.toml"))

@@ -256,6 +256,7 @@ def test_a_disc_rolls_on_the_inside_of_a_round_wall() -> None:
     [
         ({"shear_law": "slides"}, {}, r'^reduced\.shear_law = "slides": not known for shear; give "lead'),
         ({"rotation_law": "exakt"}, {}, r'^reduced\.rotation_law = "exakt": there is no such law; give "'),
+        ({"rotation_law": "."}, {}, r'^reduced\.rotation_law = ".*": is a folder; give "'),
         ({"shear_law": None, "wall_shear_law": "exact"}, {}, r"needs the law between bodies too; give red"),
         ({"cutoff": None}, {}, r'^reduced\.shear_law = "exact": goes on to any gap.*give reduced\.cutoff'),
         (

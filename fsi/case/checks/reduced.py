@@ -54,7 +54,8 @@ def _check_drag_file(case: Case) -> None:
     if case.reduced.drag is not None:
         raise InputError(f"{here}: there is reduced.drag = {case.reduced.drag:g} too; drop one of them")
     if not Path(name).is_file():
-        raise InputError(f"{here}: there is no such file; `fsi resistance CASE --drag FILE` writes one")
+        problem = "is a folder" if Path(name).is_dir() else "there is no such file"
+        raise InputError(f"{here}: {problem}; `fsi resistance CASE --drag FILE` writes one")
     from fsi.case.drag_file import read_drag_file
 
     file, cutoff = read_drag_file(Path(name)), relative_cutoff(case)
