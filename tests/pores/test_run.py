@@ -113,7 +113,7 @@ def test_cells_run_counterclockwise_and_their_areas_add_up(sheared: Run) -> None
 
 
 def test_cells_of_circles_of_fluid_meet_those_around_them_at_nodes(sheared: Run) -> None:
-    """Or at images of these; with four cells a circle the nodes of its edge were up to 0.06 from others."""
+    """Or at images of these; where cells had straight sides nodes would be up to 0.06 from others."""
     fluid, lattice = sheared.mesh(0), Lattice(sheared.case.container().periods)
     x, cells, inside = np.asarray(fluid.points)[:, :2], nodes(fluid), fluid.cell_data["pore"] < 0
     edge = x[cells[inside][:, [1, *range(8, 13), 2]]].reshape(-1, 2)  # opposite of the centre
