@@ -14,8 +14,7 @@ with cells of 1e-8 of none.
 
 Where a wall with a shape ends in a corner, bent around the fluid, its elements may be a thirtieth of those
 of the wall that it meets. Of a triangle between the corner and two of them one angle is straight once they
-are curved, and it is refused. So sizes along the other wall, where that is straight, begin with those of the
-bent one.
+are curved, and it is refused. So sizes along the other wall begin with those of the bent one.
 """
 
 from __future__ import annotations
@@ -64,14 +63,14 @@ class Grading:
         return Grading(corners, smallest, GROWTH * growth)
 
     @staticmethod
-    def beside_bends(curves: Sequence[WallCurve], resolution: Resolution) -> Grading:
-        """Towards the ends of shaped pieces that bend around the fluid and meet another wall there."""
+    def beside_bends(curves: Sequence[WallCurve], wall: int, resolution: Resolution) -> Grading:
+        """Along a wall: towards ends of it where shaped pieces of others end that bend around the fluid."""
         corners, bends = list[Array](), list[float]()
-        for curve in curves:
-            others = [end for other in curves if other.wall != curve.wall for end in other.ends]
+        ends = [end for curve in curves if curve.wall == wall for end in curve.ends]
+        for curve in (other for other in curves if other.wall != wall):
             for k, corner in enumerate(curve.ends):
-                bend = _bend_around_fluid(curve, k)
-                if bend < np.inf and any(np.array_equal(corner, end) for end in others):
+                meets = any(np.array_equal(corner, end) for end in ends)
+                if meets and (bend := _bend_around_fluid(curve, k)) < np.inf:
                     corners.append(corner)
                     bends.append(bend)
         smallest = resolution.on_body(np.array(bends))

@@ -196,7 +196,9 @@ class Surfaces:
         wall = np.array([curve.wall for curve in curves])
         longest = np.array([curve.longest_element for curve in curves])
         fewest = np.array([float(curve.fewest_elements) for curve in curves])
-        beside_bends = Grading.beside_bends(curves, self.resolution)
+        beside_bends = [
+            Grading.beside_bends(curves, number, self.resolution) for number in range(int(wall.max()) + 1)
+        ]
 
         def at(s: Array, k: Indices) -> Array:
             x = np.empty((len(s), 2))
@@ -211,8 +213,11 @@ class Surfaces:
             x = at(s, k)
             bend = bends(x, k)
             h = np.minimum(self.sizes(x, bend=bend), np.minimum(longest[k], self.resolution.on_body(bend)))
-            h = np.minimum(h, self.grading.sizes(x))
-            return np.asarray(np.where(np.isinf(bend), np.minimum(h, beside_bends.sizes(x)), h))
+            h = np.asarray(np.minimum(h, self.grading.sizes(x)))
+            for number, grading in enumerate(beside_bends):
+                on = wall[k] == number
+                h[on] = np.minimum(h[on], grading.sizes(x[on]))
+            return h
 
         s, h, k = resolve_all(size, np.array([curve.interval for curve in curves]), PIECES)
         placed = spread_all(s, h, k, [list(self._facing(c, s[k == j])) for j, c in enumerate(curves)], fewest)

@@ -181,6 +181,22 @@ def test_a_wave_that_reaches_corners_is_meshed(wall: str, height: float) -> None
 
 def test_a_wave_that_bends_away_from_the_fluid_changes_nothing_beside_it() -> None:
     walls = ShapedWalls.of(BOX, {"bottom": DIP.heights(), "left": WAVE.heights()})
-    assert len(Grading.beside_bends(walls.outline(), Resolution()).corners) == 0
+    assert sum(len(Grading.beside_bends(walls.outline(), k, Resolution()).corners) for k in range(4)) == 0
     dip = Wave(kind="wave", height=-0.3, length=1.0, number=6, start=-3.0)
-    assert len(Grading.beside_bends(box(dip).outline(), Resolution()).corners) == 0
+    outline = box(dip).outline()
+    assert sum(len(Grading.beside_bends(outline, k, Resolution()).corners) for k in range(4)) == 0
+
+
+def test_two_waves_that_meet_in_a_corner_are_meshed() -> None:
+    """Their radii of curvature there are as 244 to 1; the gentler one had elements as long as elsewhere."""
+    shapes = {"bottom": (0.07, 8.0 / 3.0, 3), "right": (0.6, 0.5, 16)}
+    waves = {
+        wall: Wave(kind="wave", height=height, length=length, number=number, start=-4.0).heights()
+        for wall, (height, length, number) in shapes.items()
+    }
+    domain = FluidDomain(
+        ShapedWalls.of(Box((-4.0, -4.0), (4.0, 4.0)), waves), np.array([[0.0, 0.0]]), np.array([0.6])
+    )
+    fluid = build(domain, Resolution(0.45, 32, 0.33), 4)
+    assert fluid.instead == ""
+    assert fluid.quality > 0.3
