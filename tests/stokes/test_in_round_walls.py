@@ -26,7 +26,7 @@ def test_bars_of_laws_hold_where_there_is_little_room(radius: float) -> None:
     assert 0.5 < ratio < 1.0
 
 
-@pytest.mark.parametrize(("radius", "gap"), [(3.0, 1e-5), (1.05, 1e-3)])
+@pytest.mark.parametrize(("radius", "gap"), [pytest.param(3.0, 1e-5, marks=pytest.mark.slow), (1.05, 1e-3)])
 def test_the_form_with_multipliers_has_room_for_its_pivots(radius: float, gap: float) -> None:
     """It was refused for want of memory. Both forms are the same discrete flow."""
     found = solved(radius, gap, discretisation={"formulation": "multiplier"})
