@@ -41,6 +41,7 @@ from fsi.postprocess.run.probe import given_points
 from fsi.postprocess.run.run import Run
 from fsi.postprocess.run.run import open_run as open_folder
 from fsi.report.progress import ProgressBar
+from fsi.run_folder.kept import refused
 from fsi.runs import MakeEvolution, Progress, no_progress
 from fsi.runs import resume as resume_run
 from fsi.runs import run as run_case
@@ -146,15 +147,13 @@ class Solution:
 
         NaN outside the fluid. Raises InputError: it has no flow, or no pressure.
         """
-        flow = self._flow("flow to evaluate")
-        x = self._points(points)
+        flow, x = self._at(points)
         return flow.evaluate(x) if len(x) else (x, x[:, 0])
 
     @together_in_turn()
     def velocity(self, points: ArrayLike) -> Array:
         """Velocity (n, d) at points (n, d), as `evaluate`; NaN outside the fluid. Raises InputError."""
-        flow = self._flow("flow to evaluate")
-        x = self._points(points)
+        flow, x = self._at(points)
         return flow.velocity(x) if len(x) else x
 
     @together_in_turn()
@@ -176,13 +175,14 @@ class Solution:
         """Write the fields as VTU files into a folder; gives their names by series. Raises InputError."""
         folder = same_folder(folder)
         on_root(lambda: require_folder(folder))
-        on_root(lambda: folder.mkdir(parents=True, exist_ok=True))
-        return self.instant.write(folder, 0)
+        with refused(folder, InputError, "make room, or give another folder"):
+            on_root(lambda: folder.mkdir(parents=True, exist_ok=True))
+            return self.instant.write(folder, 0)
 
-    def _points(self, points: ArrayLike) -> Array:
-        x = given_points(points, self.case.dimension)
+    def _at(self, points: ArrayLike) -> tuple[FlowInstant, Array]:
+        flow, x = self._flow("flow to evaluate"), given_points(points, self.case.dimension)
         require_same("points", x.tobytes)
-        return x
+        return flow, x
 
     def _flow(self, what: str) -> FlowInstant:
         if not self.case.level.flow:
@@ -193,10 +193,9 @@ class Solution:
         """What it is, in one line, and a line for each of the first bodies."""
         what = f"{self.case.model}, {len(self.bodies)} bodies in {self.case.dimension} dimensions"
         lines = [f"<Solution of {self.case.name!r}: {what}, dissipation {self.dissipation:.8g}>"]
+        shown = "  {0.name}: V = {0.velocity}, force of the fluid = {0.force}"
         with np.printoptions(precision=6, suppress=False):
-            for body in self.bodies[:5]:
-                lines.append(f"  {body.name}: V = {body.velocity}, force of the fluid = {body.force}")
-        return "\n".join(lines)
+            return "\n".join([*lines, *map(shown.format, self.bodies[:5])])
 
 
 def open_run(path: Path | str) -> Run:

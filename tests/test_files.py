@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.errors import SolveError
+import fsi
+from fsi.errors import InputError, SolveError
 from fsi.files import appearing, replace
+from fsi.run_folder.folder import RunFolder
 from fsi.run_folder.paraview import write_points
 from fsi.runs import run
 from tests.exact_model import by
@@ -78,16 +80,18 @@ def test_fields_that_find_no_room_tell_of_the_run_without_them(
     def fsync(_: int) -> None:
         raise OSError(28, "No space left on device")
 
-    folder = tmp_path / "a run"
-    (folder / "fields").mkdir(parents=True)
+    folder = RunFolder.create(tmp_path / "a run", small_case(), {})
     monkeypatch.setattr(os, "fsync", fsync)
-    with pytest.raises(SolveError) as told:
-        write_points(folder / "fields" / "a.vtu", np.zeros((3, 2)), {})
-    resume = f"fsi resume '{folder}'"
+    with pytest.raises(SolveError) as told, folder.writing():
+        write_points(folder.fields / "a.vtu", np.zeros((3, 2)), {})
+    resume = f"fsi resume '{folder.path}'"
+    assert "No space left on device" in str(told.value)
     assert str(told.value).endswith(
-        f"a.vtu: No space left on device; make room, or make it writable, and `{resume}`; or "
-        f"`{resume} --set output.fields=false`"
+        f"; make room, or make it writable, and `{resume}`; or `{resume} --set output.fields=false`"
     )
+    with pytest.raises(InputError) as said:  # of a solution there is no run
+        fsi.solve(small_case()).write(tmp_path / "solved")
+    assert str(said.value).endswith("; make room, or give another folder")
 
 
 def test_nothing_is_left_of_a_file_that_could_not_be_written(

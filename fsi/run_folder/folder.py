@@ -148,8 +148,9 @@ class RunFolder:
 
     @contextmanager
     def writing(self) -> Iterator[None]:
-        """Raise a SolveError where the disk does not take what a step writes; the last commit stays."""
-        with refused(self.path, SolveError, self._goes_on):
+        """Raise a SolveError where the disk does not take the fields of a step; the last commit stays."""
+        without = shlex.join(["fsi", "resume", str(self.path), "--set", "output.fields=false"])
+        with refused(self.path, SolveError, f"{self._goes_on}; or `{without}`"):
             yield
 
     @property

@@ -1,7 +1,6 @@
 """Files of ParaView: which file shows which time (.pvd), points and lines with numbers (.vtu)."""
 
 import re
-import shlex
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.errors import SolveError
 from fsi.files import appearing, content
 
 if TYPE_CHECKING:
@@ -103,11 +101,6 @@ def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> Non
 
 
 def write_vtu(path: Path, mesh: "meshio.Mesh") -> None:
-    """Write a file of `fields` in a run folder, all of it or nothing. Raises SolveError: the disk refuses."""
-    try:
-        with appearing(path) as partial:
-            mesh.write(partial, file_format="vtu")
-    except OSError as error:
-        resume = shlex.join(["fsi", "resume", str(path.parents[1])])
-        remedy = f"make room, or make it writable, and `{resume}`; or `{resume} --set output.fields=false`"
-        raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
+    """Write all of a file or nothing. Raises OSError: the disk refuses."""
+    with appearing(path) as partial:
+        mesh.write(partial, file_format="vtu")

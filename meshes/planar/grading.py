@@ -27,6 +27,7 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.meshes.geometry.container import HERE, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
+from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.resolution import Resolution
 
 GROWTH = 2.0
@@ -67,10 +68,12 @@ class Grading:
         """Along a wall: towards ends of it where shaped pieces of others end that bend around the fluid."""
         corners, bends = list[Array](), list[float]()
         ends = [end for curve in curves if curve.wall == wall for end in curve.ends]
-        for curve in (other for other in curves if other.wall != wall):
+        for curve in curves:
+            if curve.wall == wall or curve.solid is None:
+                continue
             for k, corner in enumerate(curve.ends):
                 meets = any(np.array_equal(corner, end) for end in ends)
-                if meets and (bend := _bend_around_fluid(curve, k)) < np.inf:
+                if meets and (bend := _bend_around_fluid(curve, curve.solid, k)) < np.inf:
                     corners.append(corner)
                     bends.append(bend)
         smallest = resolution.on_body(np.array(bends))
@@ -83,11 +86,8 @@ class Grading:
         return sizes
 
 
-def _bend_around_fluid(curve: WallCurve, end: int) -> float:
-    """The radius with which a piece bends around the fluid at its first or last end; else infinite."""
-    if curve.solid is None:
-        return np.inf
+def _bend_around_fluid(curve: WallCurve, solid: Placed, end: int) -> float:
+    """The radius with which a shaped piece bends around the fluid at its first or last end; else infinite."""
     start, stop = curve.interval if end == 0 else curve.interval[::-1]
-    t = curve.solid.nearest(curve.at(np.array([start + INSIDE * (stop - start)])))
-    outline = curve.solid.outline
-    return float(outline.bend(t)[0]) if outline.curvature(t)[0] < 0.0 else np.inf
+    t = solid.nearest(curve.at(np.array([start + INSIDE * (stop - start)])))
+    return float(solid.outline.bend(t)[0]) if solid.outline.curvature(t)[0] < 0.0 else np.inf
