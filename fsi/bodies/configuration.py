@@ -14,17 +14,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.geometry.outline import Outline
-from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.rotations import turn_between, turning_rate
+
+if TYPE_CHECKING:  # shapes take long to load, and discs and spheres have none
+    from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
+    from fsi.meshes.geometry.outline import Outline
+    from fsi.meshes.geometry.placed import Placed
 
 MODES = {2: ("V_x", "V_y", "omega"), 3: ("V_x", "V_y", "V_z", "omega_x", "omega_y", "omega_z")}
 LOADS = {2: ("F_x", "F_y", "T"), 3: ("F_x", "F_y", "F_z", "T_x", "T_y", "T_z")}
@@ -106,12 +109,16 @@ class Configuration:
     @cached_property
     def placed(self) -> tuple[Placed, ...]:
         """The outlines where they are; empty where all bodies are discs."""
+        from fsi.meshes.geometry.placed import Placed
+
         each = zip(self.outlines, self.centres, self.angles.ravel().tolist(), strict=False)
         return tuple(Placed(outline, centre, angle) for outline, centre, angle in each)
 
     @cached_property
     def standing(self) -> tuple[PlacedEllipsoid, ...]:
         """The ellipsoids where they are; empty where all bodies are spheres."""
+        from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
+
         each = zip(self.ellipsoids, self.centres, self.angles, strict=False)
         return tuple(PlacedEllipsoid(form, centre, angle) for form, centre, angle in each)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,10 @@ from numpy.typing import NDArray
 from fsi.arrays import Array, Indices
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.geometry.wall_feet import feet_in_space, wall_feet
+
+if TYPE_CHECKING:
+    from fsi.meshes.geometry.feet import Foot
 
 _WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a reach
 # Of the smallest radius: what rounding makes of a gap in contact, and how deep a contact may be solved.
@@ -110,6 +112,8 @@ def foot_between(q: Configuration, i: int, j: int, away: Array | float = 0.0) ->
 
 def feet_on_walls(q: Configuration, i: int, container: Container) -> list[Foot]:
     """The gaps of body i with a shape to all walls."""
+    from fsi.meshes.geometry.wall_feet import feet_in_space, wall_feet
+
     return wall_feet(q.placed[i], container) if q.outlines else feet_in_space(q.standing[i], container)
 
 

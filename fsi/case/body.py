@@ -28,10 +28,10 @@ from fsi.case.section import (
 )
 from fsi.case.series import Angle, Component, Series, Spin, Torque, kinks
 from fsi.case.shapes.shape import Shape
-from fsi.meshes.geometry.ellipsoid import Ellipsoid
-from fsi.meshes.geometry.outline import Outline
 
 if TYPE_CHECKING:
+    from fsi.meshes.geometry.ellipsoid import Ellipsoid
+    from fsi.meshes.geometry.outline import Outline
     from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 FREE: Literal["free"] = "free"
@@ -138,9 +138,13 @@ class Body(Section):
         return {key: value for key, value in data.items() if key != "radius" or self.shape is None}
 
     @property
-    def outline(self) -> Outline:
+    def outline(self) -> "Outline":
         """Of a body of the plane."""
-        return Outline.disc(self.radius) if self.shape is None else self.shape.outline
+        if self.shape is None:
+            from fsi.meshes.geometry.outline import Outline
+
+            return Outline.disc(self.radius)
+        return self.shape.outline
 
     @cached_property
     def revolved(self) -> "BodyOfRevolution":
@@ -153,9 +157,13 @@ class Body(Section):
         return self.shape.revolved(self.angle)
 
     @property
-    def ellipsoid(self) -> Ellipsoid:
+    def ellipsoid(self) -> "Ellipsoid":
         """Of a body in space."""
-        return Ellipsoid(np.full(3, self.radius)) if self.shape is None else self.shape.ellipsoid
+        if self.shape is None:
+            from fsi.meshes.geometry.ellipsoid import Ellipsoid
+
+            return Ellipsoid(np.full(3, self.radius))
+        return self.shape.ellipsoid
 
     @property
     def half_axes(self) -> tuple[float, float, float]:

@@ -11,7 +11,6 @@ from fsi.case.profiles.profile import Profile
 from fsi.case.section import refusal, refuse_unknown, told, toml_text
 from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.shaped import ShapedWalls
 
 STANDING = 1e-9  # of its length: what is higher stands over the straight wall
 
@@ -48,6 +47,8 @@ class StraightWalls(Walled):
 
     @cached_property
     def _shaped(self) -> Container:
+        from fsi.meshes.geometry.shaped import ShapedWalls
+
         heights = {name: profile.heights() for name, profile in self.profiles.items()}
         return ShapedWalls.of(self.straight(), heights)
 

@@ -12,7 +12,6 @@ from fsi.case.walls import WallCondition
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.report.console import table
-from fsi.report.gaps import print_gaps
 
 
 def components(case: Case) -> tuple[str, ...]:
@@ -33,6 +32,8 @@ def print_case(console: Console, case: Case) -> None:
     if case.bodies:
         console.print(_case_table(case))
         if case.configuration().shaped:
+            from fsi.report.gaps import print_gaps
+
             print_gaps(console, case)
     if len(case.bodies) > _MOST:
         console.print(f"... {len(case.bodies) - _MOST} more bodies")

@@ -19,15 +19,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsi.arrays import Array
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.curves import Sphere, WallCurve
-from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
-from fsi.meshes.geometry.placed import Placed
+
+if TYPE_CHECKING:
+    from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
+    from fsi.meshes.geometry.placed import Placed
 
 HERE = 1e-9  # in sizes of a container: places that near are one
 # From this ratio of radii on sizes in the fluid grow from the nearest edge: where they grew from that of the

@@ -1,13 +1,18 @@
 """The curves that bound a container in the plane, piece by piece: straight ones and arcs of circles."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fsi.arrays import Array
-from fsi.meshes.geometry.placed import Placed
+
+if TYPE_CHECKING:
+    from fsi.meshes.geometry.placed import Placed
 
 SAMPLES = 65  # of a piece
 DIGITS = 15  # what doubles keep of any decimal number
@@ -60,7 +65,7 @@ class Sphere:
     # An ellipsoid answers these as the sphere that it is before it is stretched.
 
     @property
-    def unit(self) -> "Sphere":
+    def unit(self) -> Sphere:
         """Itself."""
         return self
 

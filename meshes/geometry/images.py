@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array, Indices
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.geometry.placed import Placed
+
+if TYPE_CHECKING:
+    from fsi.meshes.geometry.placed import Placed
 
 
 def to_images(

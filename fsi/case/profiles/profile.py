@@ -7,7 +7,7 @@ found by themselves; from outside the decorator alone does.
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
@@ -15,7 +15,9 @@ from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 from fsi.arrays import Array
 from fsi.case.registry import Registered, Registry
 from fsi.meshes.geometry.jets import CONSISTENT, Jet, inconsistency
-from fsi.meshes.geometry.relief import Heights, close_places
+
+if TYPE_CHECKING:  # shapes of walls take long to load, and most walls are straight
+    from fsi.meshes.geometry.relief import Heights
 
 STRAIGHT = 1e-6  # slope, and height over the length of the stretch: less is none
 SAMPLES = 1025  # enough but for sharp bends
@@ -35,6 +37,8 @@ class WallProfile(Registered):
 
     def check(self) -> None:
         """Raise ValueError where no wall looks so."""
+        from fsi.meshes.geometry.relief import close_places
+
         heights = self.heights()
         begin, end = heights.interval
 

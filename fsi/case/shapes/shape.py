@@ -16,12 +16,11 @@ from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
 from fsi.case.registry import Registered, Registry
 from fsi.case.section import Geometry, told
-from fsi.meshes.geometry.closed_curve import FEWEST
-from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.jets import CONSISTENT, ArcChain, JetOf
-from fsi.meshes.geometry.outline import Outline
 
 if TYPE_CHECKING:
+    from fsi.meshes.geometry.ellipsoid import Ellipsoid
+    from fsi.meshes.geometry.outline import Outline
     from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 
@@ -86,6 +85,8 @@ class BodyShape(AnyShape):
     @property
     def fewest(self) -> int:
         """How many points of it overlook none of its waves."""
+        from fsi.meshes.geometry.closed_curve import FEWEST
+
         return FEWEST
 
     @cached_property
@@ -126,6 +127,8 @@ class BodyShape(AnyShape):
 @lru_cache(maxsize=256)
 def _outline(shape: BodyShape) -> Outline:
     """One for all bodies of a suspension that are alike."""
+    from fsi.meshes.geometry.outline import Outline
+
     return Outline.of(shape.curve(), shape.joints, shape.fewest)
 
 
