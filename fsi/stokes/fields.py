@@ -1,10 +1,4 @@
-"""The flow as fields: curved cells whose nodes carry velocity and pressure, tractions, and their files.
-
-The multiplier lives in the dual of the velocity trace: one force per node. The traction t that it stands for
-solves  int t . v ds = sum lambda . v  for every trace v; it converges two orders faster than sigma_h n. A
-surface has few nodes, so root collects it and solves there. Where a periodic domain is opened at a body, one
-node of its surface stands there twice, at two images, and each copy has the reaction of the fluid on its own
-side: v and t have one value at both.
+"""The flow as fields: curved cells whose nodes carry velocity and pressure, surfaces, and their files.
 
 Files are VTU, one per step and rank, with curved cells of the velocity's own degree. Gradients of finite
 elements jump from cell to cell. At a node that cells share the file has the mean of their values: continuous,
@@ -19,22 +13,19 @@ from typing import TYPE_CHECKING
 
 import basix
 import numpy as np
-import scipy  # its modules load when they are used
 from dolfinx import fem, la
 from dolfinx.common import IndexMap
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 import fsi.parallel as parallel
-from fsi.arrays import Array, Indices
+from fsi.arrays import Array
 from fsi.meshes.cells.lagrange import gradient, locate, tabulate
 from fsi.meshes.files.write import vtk_order
-from fsi.meshes.geometry.lattice import SAME_PLACE, Lattice
-from fsi.meshes.geometry.matching import on_torus
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.kinematics import hoop_rate, strain_rate, vorticity
 from fsi.run_folder.paraview import in_space, write_vtu
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
-from fsi.stokes.discretisation.slip import masses
 from fsi.stokes.solvers.system import StokesSystem
 
 if TYPE_CHECKING:
@@ -150,39 +141,6 @@ def surfaces(system: StokesSystem, reaction: Array) -> Surface:
     return Surface(
         xs[first], of_facets, degree, bodies, reactions[first], fluid.lattice, fluid.container.axisymmetric
     )
-
-
-def places(surface: Surface) -> Indices:
-    """For each node (n,) the number of its place: images on one body have the same, 0, 1, ... all told."""
-    x, lattice = surface.x, surface.lattice
-    place = np.arange(len(x))
-    if lattice.dimension == 0:
-        return place
-    of_node = np.empty(len(x))
-    of_node[surface.facets] = surface.body[:, None]
-    torus = np.column_stack([on_torus(x, lattice), lattice.longest() * of_node])
-    one, other = (
-        scipy.spatial.cKDTree(torus).query_pairs(SAME_PLACE * lattice.longest(), output_type="ndarray").T
-    )
-    place[np.maximum(one, other)] = np.minimum(one, other)
-    return np.unique(place, return_inverse=True)[1]
-
-
-def traction(surface: Surface) -> Array:
-    """Traction sigma n at the surface nodes (n, d), n out of the fluid: solve the surface mass matrix."""
-    facets, d = surface.facets, surface.x.shape[1]
-    if len(facets) == 0:
-        return np.empty((0, d))
-    of_facet, _ = masses(surface.x[facets], surface.degree, axisymmetric=surface.axisymmetric)
-    place = places(surface)
-    of_facets = place[facets]
-    rows = np.repeat(of_facets, of_facets.shape[1], axis=1).ravel()
-    columns = np.tile(of_facets, (1, of_facets.shape[1])).ravel()
-    mass = scipy.sparse.csc_matrix((of_facet.ravel(), (rows, columns)))
-    reaction = np.zeros((mass.shape[0], d))
-    np.add.at(reaction, place, surface.reaction)
-    t: Array = scipy.sparse.linalg.spsolve(mass, reaction).reshape(-1, d)
-    return t[place]
 
 
 CELLS = {1: "VTK_LAGRANGE_CURVE", 2: "VTK_LAGRANGE_TRIANGLE", 3: "VTK_LAGRANGE_TETRAHEDRON"}

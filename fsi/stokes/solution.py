@@ -14,8 +14,9 @@ from fsi.observables.bulk_stress import VISCOSITY_CHECKS
 from fsi.observables.quantities import stress_driven
 from fsi.observables.solved_flow import SolvedFlow
 from fsi.stokes import fields
-from fsi.stokes.fields import Flow, Surface, traction, values_at
+from fsi.stokes.fields import Flow, Surface, values_at
 from fsi.stokes.problem import StokesProblem
+from fsi.stokes.traction import traction
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,8 @@ from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.geometry.containers import Box, Round
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.resolution import Resolution
-from fsi.stokes.fields import traction
 from fsi.stokes.problem import Boundary
+from fsi.stokes.traction import traction
 from tests.flows import discs, held, solved
 from tests.periodic import in_channel
 

@@ -10,8 +10,8 @@ from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.resolution import Resolution
-from fsi.stokes.fields import places, traction
 from fsi.stokes.resistance import case_resistance, held_at_rest, solve_resistance
+from fsi.stokes.traction import places, traction
 from tests.case_data import changed
 from tests.flows import discs, held, mesh
 from tests.periodic import in_cell, square

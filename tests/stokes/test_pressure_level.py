@@ -14,9 +14,9 @@ from fsi.case.load import parse_case
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, Round
 from fsi.meshes.geometry.lattice import Cell
-from fsi.stokes.fields import traction
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
+from fsi.stokes.traction import traction
 from tests.flows import SMALL_BOX, discs, held, solved
 from tests.periodic import LIGHT, in_cell, in_channel
 
