@@ -146,13 +146,15 @@ class PoreFlow:
         found: Array = self.y[batch.unknown] + carried(self.system, batch, self.carrier.G)
         return found
 
+    def power_of(self, numbers: Callable[[Batch], Array]) -> float:
+        """That of numbers of pores, (n, m) of each batch."""
+        of_pores = zip(self.system.assembly.batches, self._local_products, strict=True)
+        total = sum(float(np.vdot(numbers(batch), Kx)) for batch, Kx in of_pores)
+        return self.system.viscosity * total + float(self.multipliers @ tied(self.system, numbers))
+
     def power_of_mean(self, gradient: Array) -> float:
         """That of a mean gradient, by which the periods and all images change: |cell| Sigma_sides : G."""
-        system, total = self.system, 0.0
-        for batch, Kx in zip(system.assembly.batches, self._local_products, strict=True):
-            total += float(np.vdot(mean_flow(system, batch, gradient), Kx))
-        of_ties = tied(system, lambda batch: mean_flow(system, batch, gradient))
-        return system.viscosity * total + float(self.multipliers @ of_ties)
+        return self.power_of(lambda batch: mean_flow(self.system, batch, gradient))
 
     def dissipation_of_pores(self) -> Array:
         """Of each pore, (E,); fluid discs have theirs besides."""
@@ -285,15 +287,14 @@ def _power(flow: PoreFlow, mean: float) -> float:
 
 def _translations(flow: PoreFlow) -> dict[str, float]:
     """The largest net force of the fluid on all that bounds it: a translation of all costs nothing."""
-    system, reactions = flow.system, flow.reactions
-    surfaces, first = system.pores.surfaces, system.assembly.numbering.surface[:-1]
-    sums = []
+    system, reactions, periods = flow.system, flow.reactions, flow.system.pores.surfaces.periods
+    first, sums = system.assembly.numbering.surface[:-1], []
+    arm = system.reference - system.reference[-1]
     for axis in range(2):
-        t = np.zeros(system.size)
-        t[first + axis] = 1.0
-        t[first + 3] = (system.reference[:, 1], -system.reference[:, 0])[axis]
-        if len(surfaces.periods) and np.any(np.abs(surfaces.periods[:, 1 - axis]) > 0.0):
+        if np.any(periods[:, 1 - axis] != 0.0):
             continue  # its stream function is not periodic
+        t = np.zeros(system.size)
+        t[first + axis], t[first + 3] = 1.0, (arm[:, 1], -arm[:, 0])[axis]
         sums.append(abs(float(t @ reactions)))
     scale = float(np.abs(reactions).max(initial=0.0)) + _TINY
     return {"momentum": max(sums, default=0.0) / scale}

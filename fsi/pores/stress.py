@@ -30,7 +30,7 @@ from fsi.observables.bulk_stress import (
     compared_viscosities,
     deviator,
 )
-from fsi.pores.carrier import stream
+from fsi.pores.carrier import carried
 from fsi.pores.solve import PoreFlow, PoreLoading
 
 
@@ -81,16 +81,15 @@ def _of_fluid(flow: PoreFlow) -> Array:
 
 
 def _power_of(flow: PoreFlow, G: Array) -> float:
-    """int 2 mu e : G over the fluid, of the numbers of u = G x that take power."""
-    system, surfaces = flow.system, flow.system.pores.surfaces
-    N, first = system.bodies, system.assembly.numbering.surface[:-1]
-    t, E, a = np.zeros(system.size), 0.5 * (G + G.T), surfaces.radius[: system.bodies]
-    t[first[:, None] + np.arange(2)] = surfaces.centre @ G.T
-    t[first[:N] + 2] = 0.5 * (G[1, 0] - G[0, 1])
+    """int 2 mu e : G over the fluid, by the power of u = G x, seen from each pore: far away no digits cancel.
+
+    Bodies are carried along; they turn and strain besides.
+    """
+    system, E, t = flow.system, 0.5 * (G + G.T), np.zeros(flow.system.size)
+    a, first = system.pores.surfaces.radius[: system.bodies], system.assembly.numbering.surface
+    t[first[: system.bodies] + 2] = 0.5 * (G[1, 0] - G[0, 1])
     t[system.strains] = 0.5 * a[:, None] ** 2 * np.array([-E[0, 1], E[0, 0]])
-    walls = slice(surfaces.discs, None)
-    t[first[walls] + 3] = stream(G, surfaces.centre[walls])
-    return float(t @ flow.reactions) + flow.power_of_mean(G)
+    return float(t @ flow.reactions) + flow.power_of(lambda batch: carried(system, batch, G))
 
 
 def viscosity_checks(bodies: DrivenBodies, flow: PoreFlow, stress: BulkStress) -> dict[str, float]:
