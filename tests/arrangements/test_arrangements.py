@@ -155,7 +155,8 @@ def test_a_thousand_discs_at_seven_tenths() -> None:
 
 
 def test_spheres() -> None:
-    found = random_arrangement(np.ones(100), Wanted(100, 0.4, 0.02, aspect=1.5, dimension=3))
+    with patch.object(packing, "TRIES_IN_SPACE", 60):
+        found = random_arrangement(np.ones(100), Wanted(100, 0.4, 0.02, aspect=1.5, dimension=3))
     assert found.cell.sides[0] == pytest.approx(1.5 * found.cell.sides[2])
     check(found, 0.4, 0.02)
 
