@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fsi.arrays import Array
 from fsi.bodies.gaps import neighbours
-from fsi.lubrication.sliding import tangents
+from fsi.lubrication.sliding import arms, tangents
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 
@@ -106,20 +106,22 @@ def gap_rows(contacts: Contacts, N: int, modes: int) -> sp.csr_matrix:
 
 
 def slip_rows(contacts: Contacts, radii: Array, modes: int) -> sp.csr_matrix:
-    """T, d - 1 rows a contact, (C (d - 1), N modes): the velocity of j's surface past i's, at the contact.
+    """T, d - 1 rows a contact (C (d - 1), N modes): the velocity of j's surface past i's, at the contact.
 
-    A surface point of j moves at `v_j - a_j omega_j x n`, one of i at `v_i + a_i omega_i x n`.
+    A surface point of j moves at `v_j - l_j omega_j x n`, one of i at `v_i + l_i omega_i x n`. Bodies D apart
+    have `arms`, which meet between them, so that friction keeps their angular momentum; walls take it up.
     """
     n, d = contacts.n, contacts.n.shape[1]
-    a_j = radii[contacts.j][:, None]
+    pair, a_j = (contacts.i < len(radii))[:, None], radii[contacts.j][:, None]
     a_i = np.append(radii, 0.0)[np.minimum(contacts.i, len(radii))][:, None]
+    l_i, l_j = arms(a_i, a_j, np.where(pair, contacts.D[:, None], 0.0))
     if d == 2:
         (t,), one = tangents(n), np.ones((len(n), 1))
-        return _rows(contacts, len(radii), modes, np.hstack([t, -a_j * one]), np.hstack([-t, -a_i * one]))
+        return _rows(contacts, len(radii), modes, np.hstack([t, -l_j * one]), np.hstack([-t, -l_i * one]))
     t1, t2 = tangents(n)
     both = [  # t.(omega x n) = omega.(n x t), with n x t1 = t2 and n x t2 = -t1
-        (np.hstack([t1, -a_j * t2]), np.hstack([-t1, -a_i * t2])),
-        (np.hstack([t2, a_j * t1]), np.hstack([-t2, a_i * t1])),
+        (np.hstack([t1, -l_j * t2]), np.hstack([-t1, -l_i * t2])),
+        (np.hstack([t2, l_j * t1]), np.hstack([-t2, l_i * t1])),
     ]
     of_j, of_i = (np.stack([rows[side] for rows in both], axis=1).reshape(-1, 6) for side in (0, 1))
     return _rows(contacts[np.repeat(np.arange(len(n)), 2)], len(radii), modes, of_j, of_i)

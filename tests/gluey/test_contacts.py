@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import rigid_motion
+from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room, find_contacts, slip_rows
 from fsi.gluey.step import advance
+from fsi.gluey.system import GlueyState, System
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.unbounded import Unbounded
 from tests.gluey.test_step import H, bodies
@@ -52,6 +56,38 @@ def test_a_rigid_motion_of_touching_bodies_has_no_slip(d: int) -> None:
     motion = np.arange(1.0, 1.0 + (3 if d == 2 else 6))
     U = rigid_motion(centres) @ motion
     assert_allclose(slip(centres, RADII, U), 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_friction_keeps_the_angular_momentum_of_a_pair_that_arrives(d: int) -> None:
+    """Arms meet in the gap D = h w/2; radii in their place lose mu_f p D = 5e-4 with p = w/4, w = 1."""
+    system, state = bodies([[0.0] * d, [1.0 + 0.5 * H] + [0.0] * (d - 1)], lambda _: np.zeros((2, d)))
+    system = replace(system, law=ContactLaw(gamma_min=0.0, friction=0.4))
+    U = np.zeros_like(state.U)
+    U[0, :2] = 1.0, 1.0
+    before = replace(state, U=U)
+    after, touching, _ = advance(system, before, 0.0, H)
+    assert_allclose(touching.solid, 0.25)
+    lost = angular_momentum(system, after) - angular_momentum(system, before)
+    assert_allclose(lost, 0.0, atol=1e-14)
+    assert np.abs(after.U[:, d:]).max() > 0.1
+
+
+def angular_momentum(system: System, state: GlueyState) -> Array:
+    """`sum x x m v + I omega`, about z alone in the plane."""
+    d = state.centres.shape[1]
+    x, v = (np.pad(of, ((0, 0), (0, 3 - d))) for of in (state.centres, state.U[:, :d]))
+    orbital = np.cross(x, system.mass[:, :1] * v).sum(axis=0)
+    total: Array = orbital[-1 if d == 2 else 0 :] + (system.mass * state.U)[:, d:].sum(axis=0)
+    return total
+
+
+def test_a_body_that_arrives_at_a_wall_has_its_radius_for_an_arm() -> None:
+    """A disc of radius 0.5 that turns 0.1 above a floor: a omega; an arm that reached to it has 0.6."""
+    room = Room(np.zeros((1, 2)), np.array([[0.0, 1.0]]), Unbounded(dimension=2))
+    contacts = find_contacts(np.array([[0.0, 0.6]]), np.array([0.5]), room, 1.0)
+    rate = slip_rows(contacts, np.array([0.5]), 3) @ np.array([0.0, 0.0, 1.0])
+    assert_allclose(np.abs(rate), [0.5], rtol=1e-15)
 
 
 def test_what_one_pair_forgets_no_other_pair_does() -> None:
