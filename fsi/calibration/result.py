@@ -196,6 +196,7 @@ def _series(fit: Fit) -> SeriesSection:
         powers=tuple(term.power for term in fit.terms),
         logs=tuple(term.log for term in fit.terms),
         coefficients=tuple(fit.coefficients.tolist()),
+        slopes=None if fit.slopes is None else tuple(fit.slopes.tolist()),
         covariance=tuple(map(tuple, fit.covariance.tolist())),
     )
     if wrong := not_falling(series.profile(fit.range)):

@@ -11,6 +11,7 @@
     logs = [false, true, false]
     coefficients = [18.85, 8.48, 31.24]
     covariance = [[...], ...]  # of the coefficients
+    slopes = [...]             # d power/dm if an exponent m was fitted; covariance is then of (m, c_1, ...)
     [source]                   # free: case, samples, chi2, versions ...
 
 The other forms have no range: "table" (section [table] with s and K), and without section each law that has a
@@ -21,7 +22,7 @@ from __future__ import annotations
 
 from math import inf
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -32,7 +33,7 @@ from fsi.case.section import Positive, Section
 from fsi.case.section_file import read_section, save_section
 from fsi.files import digest_of
 from fsi.lubrication.expansions import EXPONENTS, LawShape, Mode, Shape
-from fsi.lubrication.fitting import band
+from fsi.lubrication.fitting import band, design, design_with_exponent
 from fsi.lubrication.laws import LubricationLaw, ScaledLaw
 from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
 from fsi.lubrication.profiles import Profile, Series, TabulatedProfile, Term
@@ -41,6 +42,8 @@ from fsi.lubrication.profiles import Profile, Series, TabulatedProfile, Term
 _SAMPLED = ("series", "table")
 # Where a series is looked at: so many gaps, the smallest over the largest, and rounding of what is flat.
 _POINTS, _NARROWEST, _ROUNDING = 1000, 1e-12, 1e-12
+# Of a correlation: what rounding may do to it.
+_ROUNDED = 1e-9
 
 
 class SeriesSection(Section):
@@ -52,17 +55,27 @@ class SeriesSection(Section):
     """for each term whether it has the factor ln(1/s)"""
     coefficients: tuple[float, ...]
     """one number for each term"""
-    covariance: tuple[tuple[float, ...], ...]
-    """the covariance of the coefficients, a square"""
+    slopes: tuple[float, ...] | None = None
+    """of each term d power / dm where an exponent m was fitted"""
+    covariance: tuple[tuple[float, ...], ...] = Field(min_length=1)
+    """the covariance of the coefficients, a square; with slopes that of m and the coefficients"""
+
+    @field_validator("covariance")
+    @classmethod
+    def _semidefinite(cls, rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+        if all(len(row) == len(rows) for row in rows) and not is_covariance(np.array(rows)):
+            raise ValueError("must be symmetric and positive semidefinite")
+        return rows
 
     @model_validator(mode="after")
     def _matching(self) -> SeriesSection:
         n = len(self.powers)
-        lengths = [len(self.logs), len(self.coefficients), len(self.covariance), *map(len, self.covariance)]
-        if any(length != n for length in lengths):
-            raise ValueError(
-                f"has {n} powers, but not as many logs, coefficients, rows or columns of covariance"
-            )
+        slopes = self.powers if self.slopes is None else self.slopes
+        if any(len(given) != n for given in (self.logs, self.coefficients, slopes)):
+            raise ValueError(f"has {n} powers, but not as many logs, coefficients or slopes")
+        size = n if self.slopes is None else n + 1
+        if any(len(given) != size for given in (self.covariance, *self.covariance)):
+            raise ValueError(f"has a covariance that is not of {size} rows and columns")
         return self
 
     @property
@@ -73,6 +86,14 @@ class SeriesSection(Section):
     def profile(self, range_of_s: tuple[float, float]) -> Series:
         """K(s)."""
         return Series(self.terms, self.coefficients, range_of_s)
+
+    def band(self, s: Array) -> Array:
+        """Half width of the 95 % interval of K(s), shape of s."""
+        if self.slopes is None:
+            rates = design(self.terms, s)
+        else:
+            rates = design_with_exponent(self.terms, np.array(self.coefficients), np.array(self.slopes), s)
+        return band(rates, np.array(self.covariance))
 
 
 class TableSection(Section):
@@ -107,18 +128,18 @@ class LawFile(Section):
     form: str = Field(description=f'"series", "table" or a name: {names_of_laws()}')
     shape: LawShape = "spheres"
     '"spheres", "discs" or, of surfaces that are neither, "shapes"'
-    mode: Mode = "squeeze"
+    mode: Mode = Field(default="squeeze", validate_default=True)
     '"squeeze", "shear" or "rotation"'
     ratio: Positive | None = None
     """b/a of the pair, or none beside a plane"""
     viscosity: Positive
     """the viscosity mu, a number > 0"""
-    range: tuple[float, float] | None = None
-    """the smallest and largest d/a_r for which a series holds"""
-    series: SeriesSection | None = None
-    """a section [series], of a resistance that is positive and decreases with the gap all over the range"""
-    table: TableSection | None = None
-    """a section [table]"""
+    range: tuple[float, float] | None = Field(default=None, validate_default=True)
+    """two numbers 0 <= a < b, of a series alone: the smallest and largest d/a_r for which it holds"""
+    series: SeriesSection | None = Field(default=None, validate_default=True)
+    """a section [series] if that is the form, of a resistance > 0 that decreases with the gap in its range"""
+    table: TableSection | None = Field(default=None, validate_default=True)
+    """a section [table] if that is the form"""
     source: dict[str, Any] = Field(default={})
     """a section [source]"""
 
@@ -129,37 +150,48 @@ class LawFile(Section):
             raise PydanticCustomError("literal_error", "not one of the choices")
         return form
 
+    @field_validator("shape")
+    @classmethod
+    def _of_known_shapes(cls, shape: LawShape, info: ValidationInfo) -> LawShape:
+        if shape == "shapes" and (form := info.data.get("form")) in LAWS:
+            raise ValueError(f'the form "{form}" is known for spheres and discs only')
+        return shape
+
+    @field_validator("mode")
+    @classmethod
+    def _of_known_mode(cls, mode: Mode, info: ValidationInfo) -> Mode:
+        form, shape = info.data.get("form"), info.data.get("shape")
+        if shape is not None and (shape, mode) not in EXPONENTS:
+            raise ValueError(f'a law between "{shape}" is one of mode = "squeeze"')
+        if form in LAWS and mode not in LAWS[form].modes:
+            raise ValueError(f'the form "{form}" is not known for it')
+        return mode
+
+    @field_validator("range", "series", "table")
+    @classmethod
+    def _of_form[Given](cls, given: Given | None, info: ValidationInfo) -> Given | None:
+        """What the form needs is there, and nothing else."""
+        form, wanted = info.data.get("form"), "table" if info.field_name == "table" else "series"
+        if given is None and form == wanted:
+            raise PydanticCustomError("missing", "missing")
+        if given is not None and form not in (wanted, None):
+            raise ValueError(f'the form "{form}" takes none, drop it')
+        return given
+
     @field_validator("range")
     @classmethod
-    def _of_series(
-        cls, given: tuple[float, float] | None, info: ValidationInfo
-    ) -> tuple[float, float] | None:
-        if given is not None and (form := info.data.get("form", "series")) != "series":
-            raise ValueError(f'the form "{form}" has a range of its own, drop the key')
+    def _increasing(cls, given: tuple[float, float] | None) -> tuple[float, float] | None:
+        if given is not None and not 0.0 <= given[0] < given[1]:
+            raise ValueError("is no range of gaps")
         return given
 
     @field_validator("series")
     @classmethod
     def _falling(cls, series: SeriesSection | None, info: ValidationInfo) -> SeriesSection | None:
         given = info.data.get("range")
-        if series is not None and _is_range(given) and (wrong := not_falling(series.profile(given))):
+        if series is not None and given is not None and (wrong := not_falling(series.profile(given))):
             raise ValueError(wrong)
         return series
-
-    @model_validator(mode="after")
-    def _complete(self) -> LawFile:
-        for form in _SAMPLED:
-            if (getattr(self, form) is not None) != (self.form == form):
-                raise ValueError(f'a law needs the section [{form}] if and only if its form is "{form}"')
-        if self.form == "series" and not _is_range(self.range):
-            raise ValueError("a series needs a range of s, two numbers that increase")
-        if (self.shape, self.mode) not in EXPONENTS:
-            raise ValueError(f'a law between "{self.shape}" is one of mode = "squeeze"')
-        if self.form in LAWS and self.shape == "shapes":
-            raise ValueError(f'the form "{self.form}" is known for spheres and discs only')
-        if self.form in LAWS and self.mode not in LAWS[self.form].modes:
-            raise ValueError(f'the form "{self.form}" is not known for mode = "{self.mode}"')
-        return self
 
     def law(
         self, *, viscosity: float | None = None, extrapolate: bool = False, beyond_drag: bool = False
@@ -172,7 +204,7 @@ class LawFile(Section):
         """
         mu = self.viscosity if viscosity is None else viscosity
         if self.form in LAWS:
-            assert self.shape != "shapes"  # by `_complete`
+            assert self.shape != "shapes"  # by `_of_known_shapes`
             ratio = self.ratio or inf
             return LAWS[self.form].of(
                 GapFilm(self.shape, mu, ratio, extrapolate, self.mode, beyond_drag=beyond_drag)
@@ -182,7 +214,7 @@ class LawFile(Section):
     def _profile(self) -> Profile:
         if self.series is not None and self.range is not None:
             return self.series.profile(self.range)
-        assert self.table is not None  # by `_complete`
+        assert self.table is not None  # by `_of_form`
         return self.table.profile()
 
     def suits(self, shape: Shape, mode: Mode) -> bool:
@@ -202,7 +234,7 @@ class LawFile(Section):
 
     def digest(self) -> str:
         """A hash of K(s), of the motion and the pair: the same at any viscosity, from any source."""
-        other: dict[str, Any] = {"source": True, "viscosity": True, "series": {"covariance"}}
+        other: dict[str, Any] = {"source": True, "viscosity": True, "series": {"covariance", "slopes"}}
         law = self.model_dump(mode="json", exclude_none=True, exclude=other)
         return digest_of(law)
 
@@ -210,13 +242,20 @@ class LawFile(Section):
         """Half width of the 95 % interval of kappa(d), shape of d; None for laws that state no error."""
         if self.series is None:
             return None
-        width = band(self.series.terms, np.array(self.series.covariance), np.asarray(d) / radius)
+        width = self.series.band(np.asarray(d) / radius)
         scaled: Array = self.viscosity * radius ** EXPONENTS[self.shape, self.mode] * width
         return scaled
 
 
-def _is_range(given: tuple[float, float] | None) -> TypeGuard[tuple[float, float]]:
-    return given is not None and 0.0 <= given[0] < given[1]
+def is_covariance(square: Array) -> bool:
+    """Whether a square matrix is symmetric and positive semidefinite, but for rounding."""
+    deviations = np.sqrt(np.maximum(np.diag(square), 0.0))
+    most = np.outer(deviations, deviations)
+    correlated = np.all(np.abs(square) <= (1.0 + _ROUNDED) * most)
+    if not correlated or np.any(np.abs(square - square.T) > _ROUNDED * most):
+        return False
+    correlation = square / np.where(most > 0.0, most, 1.0)  # variances span many decades
+    return bool(np.linalg.eigvalsh(correlation)[0] >= -_ROUNDED)
 
 
 def not_falling(series: Series) -> str | None:

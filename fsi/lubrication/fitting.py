@@ -38,7 +38,9 @@ class Fit:
     Attributes:
         terms: phi_k.
         free: how many of them, the first ones, have no prior.
-        coefficients, covariance: of c, shapes (k,) and (k, k).
+        coefficients: c, (k,).
+        covariance: of c, (k, k); of m and c, (1 + k, 1 + k), where powers change with a fitted m.
+        slopes: d power / dm of each term then, (k,), or None.
         range: the smallest and largest s of the samples that were used.
         used: which samples, (n,).
         chi2, dof: of the used ones.
@@ -49,6 +51,7 @@ class Fit:
     free: int
     coefficients: Array
     covariance: Array
+    slopes: Array | None
     range: tuple[float, float]
     used: NDArray[np.bool_]
     chi2: float
@@ -69,7 +72,7 @@ class Fit:
     @property
     def intervals(self) -> Array:
         """Half widths of the 95 % intervals of the coefficients, shape (k,)."""
-        return CONFIDENCE * np.sqrt(np.diag(self.covariance))
+        return CONFIDENCE * np.sqrt(np.diag(self.covariance)[-len(self.terms) :])
 
 
 def believable(chi2: float, dof: int) -> bool:
@@ -77,15 +80,22 @@ def believable(chi2: float, dof: int) -> bool:
     return bool(scipy.stats.chi2.sf(chi2, dof) >= CONSISTENT)
 
 
-def band(terms: tuple[Term, ...], covariance: Array, s: Array) -> Array:
-    """Half width of the 95 % interval of sum_k c_k phi_k(s), shape of s."""
-    phi = design(terms, s)
-    return np.asarray(CONFIDENCE * np.sqrt(np.einsum("...k,kl,...l->...", phi, covariance, phi)))
+def band(rates: Array, covariance: Array) -> Array:
+    """Half width of the 95 % interval of what has these derivatives by p parameters, (..., p): (...)."""
+    variance = np.einsum("...k,kl,...l->...", rates, covariance, rates)
+    return np.asarray(CONFIDENCE * np.sqrt(np.maximum(variance, 0.0)))  # which rounding may take below 0
 
 
 def design(terms: tuple[Term, ...], s: Array) -> Array:
     """phi_k(s), shape (..., k)."""
     return np.stack([term.value(s) for term in terms], axis=-1)
+
+
+def design_with_exponent(terms: tuple[Term, ...], coefficients: Array, slopes: Array, s: Array) -> Array:
+    """dK/dm, where powers change with m by these slopes, (k,), and dK/dc_k = phi_k(s): shape (..., 1 + k)."""
+    phi = design(terms, s)
+    of_m = phi @ (coefficients * slopes) * np.log(s)  # a power p has the derivative ln s s^p
+    return np.concatenate([of_m[..., None], phi], axis=-1)
 
 
 def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], *, confined: bool = False) -> Fit:
@@ -112,7 +122,7 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], *, conf
             break
     exponent, error = _leading_exponent(s[:n], K[:n], bars[:n], terms, widths)
     return Fit(
-        terms, FREE, c, covariance, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
+        terms, FREE, c, covariance, None, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
         misfit, n - FREE, exponent, error,
     )  # fmt: skip
 

@@ -15,7 +15,8 @@ Where the pair is confined, what surroundings add is analytic in s, and s and s^
 one that is there already: for m = 3/2, s^(2 m / 3).
 
 m is that for which the fit of `fsi.lubrication.fitting` is best, and its error enters those of the
-coefficients through dK/dm.
+coefficients through dK/dm. Both errors nearly cancel in K, which is known as well as its samples are: so the
+covariance is that of m and c together.
 
 The natural length of a film is not that by which gaps are given: of an oblique ellipse it is far below half
 its axes. In units of it all coefficients are of the size of c_1, so that a length l times as long as it makes
@@ -28,7 +29,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 
 from fsi.arrays import Array
-from fsi.lubrication.fitting import FREE, Fit, believable, design, regression
+from fsi.lubrication.fitting import FREE, Fit, believable, design, design_with_exponent, regression
 from fsi.lubrication.profiles import Term
 
 NATURAL = 10.0  # size of the others over c_1: of tips c_2 and c_3 come to eight times that
@@ -105,14 +106,12 @@ def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -
             break
     series = series.distinct(m)
     terms, widths = series.terms(m), series.widths(m, s, K, lengths)
-    phi = design(terms, s)
     c, misfit = _coefficients(series, m, *samples, lengths)
-    slope = (phi[:n] * c * series.slopes).sum(axis=1) * np.log(s[:n])
-    columns = np.column_stack([slope, phi[:n]])  # what has no prior comes first
-    _, every, _ = regression(columns, K[:n], bars[:n], widths)
+    columns = design_with_exponent(terms, c, series.slopes, s[:n])  # what has no prior comes first
+    _, covariance, _ = regression(columns, K[:n], bars[:n], widths)
     return Fit(
-        terms, FREE, c, every[1:, 1:], (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
-        misfit, n - FREE - 1, -m, float(np.sqrt(every[0, 0])),
+        terms, FREE, c, covariance, series.slopes, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
+        misfit, n - FREE - 1, -m, float(np.sqrt(covariance[0, 0])),
     )  # fmt: skip
 
 

@@ -93,4 +93,4 @@ def _draw_rest(axes: Axes, law: LawFile, samples: pd.DataFrame, d: Array, a: flo
     typical = float((samples["error"] / samples["kappa"]).median())
     axes.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(typical)))
     axes.set(xlabel="gap d", ylabel="relative to the law, less 1")
-    axes.legend(ncols=2, fontsize=9)
+    axes.legend(ncols=5, fontsize=9, loc="lower center", bbox_to_anchor=(0.5, 1.0))  # above all points

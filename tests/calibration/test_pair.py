@@ -200,6 +200,7 @@ def planned(**plan: Any) -> dict[str, Any]:
         (planned(pair=["disc", "far"]) | ROUND, "this wall is not plane"),
         (two() | {"domain": DRIVEN}, "domain.pressure_gradient = 2.0: .* needs fluid at rest"),
         (two() | {"domain": FLOWING}, "domain.net_flux = 2.0: .* needs fluid at rest"),
+        (two() | {"domain": FLOWING | {"net_flux": 0.0}}, "net_flux = 0.0: .* no pressure drop, not a given"),
         (planned() | {"domain": MOVING}, "domain.walls.top = .* needs walls at rest"),
     ],
 )

@@ -11,6 +11,10 @@ import pytest
 
 import fsi
 from fsi.calibration.finding import pair_of
+from fsi.calibration.result import CalibrationResult, fit_law
+from fsi.calibration.samples import Sample, as_arrays
+from fsi.calibration.sampling import planned_gaps
+from fsi.case.law_file import read_law_file, save_law
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 
@@ -32,6 +36,14 @@ def ellipses(**calibration: Any) -> dict[str, Any]:
     plan = {"pair": ["one", "other"], "range": [1e-4, 0.1]} | calibration
     data = {"name": "ellipses", "fluid": {"viscosity": 1.0}, "bodies": bodies, "calibration": plan}
     return data | {"domain": {"shape": "round", "radius": 100.0}}
+
+
+def law_of_ellipses() -> CalibrationResult:
+    """Of samples 10 d^-(3/2) + 3 whose bars are 1e-6 of them."""
+    pair = pair_of(parse_case(ellipses(range=[1e-5, 1e-2], samples=10, held_out=2)))
+    gaps = [(gap, held_out, 10.0 * gap**-1.5 + 3.0) for gap, held_out in planned_gaps(pair)]
+    samples = [Sample(d, held, kappa, 1e-6 * kappa, 0.0, 100, 1e-12, 1.0) for d, held, kappa in gaps]
+    return fit_law(pair, samples, "ellipses.toml")
 
 
 def test_shapes_approach_each_other_along_the_normal_at_their_closest_points() -> None:
@@ -91,6 +103,21 @@ def test_bodies_of_revolution_have_laws_of_smooth_surfaces_on_the_axis() -> None
     with pytest.raises(InputError, match=r"calibration\.pair = .* are those of smooth ones; drop the tip"):
         pair_of(parse_case(on_an_axis(tip)))
     assert pair_of(parse_case(on_an_axis(tip | {"alpha": 1.0}))).shape == "shapes"
+
+
+def test_a_law_of_shapes_states_the_errors_of_its_samples(tmp_path: Path) -> None:
+    """At the gaps of those of bars b within 1.96 sqrt(2) b, see `test_a_law_is_known_as_well_as_each_...`.
+
+    Without the covariance with the exponent it was up to 12 b.
+    """
+    found = law_of_ellipses()
+    save_law(tmp_path / "law.toml", found.law)
+    fitted = as_arrays(found.samples, held_out=False)
+    error = read_law_file(tmp_path / "law.toml").error(fitted.d, found.pair.reduced_radius)
+    assert error is not None
+    assert np.all(error <= 1.959964 * np.sqrt(2.0) * fitted.bars * (1.0 + 1e-6))
+    assert found.test is not None
+    assert found.test.passed
 
 
 @pytest.mark.slow

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 import tomli_w
 from numpy.testing import assert_allclose, assert_array_equal
+from pydantic import ValidationError
 
-from fsi.case.law_file import LawFile, SeriesSection, TableSection, read_law_file, save_law
+from fsi.case.law_file import LawFile, SeriesSection, TableSection, is_covariance, read_law_file, save_law
 from fsi.errors import InputError
 from fsi.lubrication.laws import RangeError
 from fsi.lubrication.named_laws import GapFilm, exact_law
@@ -59,6 +60,25 @@ def test_the_error_of_a_series_is_that_of_its_covariance() -> None:
     assert LawFile(form="slides", viscosity=1.0).error(GAPS, 1.0) is None
 
 
+def test_errors_of_a_fitted_exponent_and_its_coefficient_may_cancel() -> None:
+    """Of K = c s^-m with errors dm and dc = c ln(e) dm no error is left at s = e; c alone would leave 1e-3 K.
+
+    dK = c s^-m (dc/c - ln s dm) = c s^-m ln(e/s) dm: 1.96 deviations of that.
+    """
+    e, c, m, dm = 1e-3, 3.0, 0.5, 1e-4
+    dc = c * np.log(e) * dm
+    joint = ((dm**2, dm * dc), (dm * dc, dc**2))
+    series = SeriesSection(powers=(-m,), logs=(False,), coefficients=(c,), slopes=(-1.0,), covariance=joint)
+    law = LawFile(form="series", shape="shapes", viscosity=1.0, range=(1e-6, 1.0), series=series)
+    s = np.array([1e-5, e, 1e-1])
+    error = law.error(s, 1.0)
+    assert error is not None
+    expected = 1.959964 * c * s**-m * np.abs(np.log(e / s)) * dm
+    assert_allclose(error, expected, rtol=1e-6, atol=1e-9)
+    without = series.model_copy(update={"slopes": None})
+    assert law.digest() == law.model_copy(update={"series": without}).digest()  # the same law
+
+
 def test_a_table_comes_back(tmp_path: Path) -> None:
     table = TableSection(s=(1e-3, 1e-2, 0.1), K=(900.0, 100.0, 20.0))
     law = LawFile(form="table", shape="discs", viscosity=1.0, table=table)
@@ -91,7 +111,22 @@ def test_short_forms(tmp_path: Path, ratio: float | None) -> None:
         ("viscosity = 0.5", "viscositty = 0.5", "viscositty = 0.5: unknown key; use viscosity"),
         ("[series]", "[serious]", "serious = .* unknown key; use series"),
         ("logs = [", "logs = [ true,", r"has 2 powers, but not as many logs"),
-        ("    0.0001,\n    1.0,\n", "    1.0,\n    0.0001,\n", "a range of s, two numbers that increase"),
+        (
+            "    0.0001,\n    1.0,\n",
+            "    1.0,\n    0.0001,\n",
+            r": range = \[1\.0, 0\.0001\]: is .*two numbers 0 <=",
+        ),
+        (
+            "    0.0001,\n",
+            "    -0.0001,\n",
+            r": range = \[-0\.0001, 1\.0\]: is no range of gaps; give two numbers",
+        ),
+        (
+            "        1e-08,",
+            "        -1e-08,",
+            r": series\.covariance = \[\[-1e-08, .*: must be symmetric and positive",
+        ),
+        ("logs = [", "slopes = [ -1.0, 0.0 ]\nlogs = [", "has a covariance that is not of 3 rows and"),
         # 6 pi/s + 3.7 ln(1/s) with other numbers: negative, rising from s = pi/5 on, and 0 at 1
         (f"    {6.0 * pi},", "    -1.0,", r"series = .*: is -\S+ at s = 0\.0001; give a section \[series\]"),
         ("    3.7,", "    -30.0,", r"series = .*: rises at s = 0\.63\d*; give .* decreases with the gap"),
@@ -108,6 +143,12 @@ def test_mistakes(old: str, new: str, complaint: str, tmp_path: Path) -> None:
         read_law_file(path).law()
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_covariance_has_rows() -> None:
+    """One of no rows has no smallest eigenvalue that could be looked at."""
+    with pytest.raises(ValidationError, match="at least 1 item"):
+        SeriesSection(powers=(-1.0,), logs=(False,), coefficients=(1.0,), covariance=())
 
 
 def test_powers_that_no_law_has_are_refused_without_warnings(tmp_path: Path) -> None:
@@ -134,17 +175,60 @@ def test_only_a_series_has_a_range(form: str, tmp_path: Path) -> None:
     table = {"table": {"s": [1e-3, 1e-2], "K": [2.0, 1.0]}} if form == "table" else {}
     path = tmp_path / "law.toml"
     path.write_text(tomli_w.dumps({"form": form, "viscosity": 1.0, "range": [1e-3, 5e-3], **table}))
-    refusal = rf'range = \[0\.001, 0\.005\]: the form "{form}" has a range of its own, drop the key'
+    refusal = rf'range = \[0\.001, 0\.005\]: the form "{form}" takes none, drop it; give'
     with pytest.raises(InputError, match=refusal):
         read_law_file(path)
 
 
-@pytest.mark.parametrize(("form", "left_out"), [("table", {"range"}), ("series", {"series"})])
-def test_a_form_has_its_section(form: str, left_out: set[str], tmp_path: Path) -> None:
-    data = SERIES.model_dump(exclude_none=True, exclude=left_out) | {"form": form}
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [
+        ({"series": None}, r"law\.toml: series: missing; give a section \[series\] if that is the form"),
+        ({"range": None}, r"law\.toml: range: missing; give two numbers 0 <= a < b"),
+        (
+            {"form": "table", "range": None},
+            r'law\.toml: series = .*: the form "table" takes none, drop it; .*1 more',
+        ),
+        (
+            {"form": "table", "range": None, "series": None},
+            r"law\.toml: table: missing; give a section \[table\]",
+        ),
+        (
+            {"shape": "shapes", "mode": "shear"},
+            r'law\.toml: mode = "shear": a law between "shapes" is one of',
+        ),
+        ({"form": "exact", "shape": "shapes"}, r'law\.toml: shape = "shapes": the form "exact" is known for'),
+        (
+            {"form": "slides", "mode": "shear"},
+            r'law\.toml: mode = "shear": the form "slides" is not known for it',
+        ),
+    ],
+)
+def test_a_law_has_what_goes_with_its_form(changes: dict[str, str], complaint: str, tmp_path: Path) -> None:
+    """The complaint begins with the key: once it was called `case`, with the whole file as its value."""
+    given = SERIES.model_dump(exclude_none=True) | changes
+    data = {key: value for key, value in given.items() if value is not None}
     (tmp_path / "law.toml").write_text(tomli_w.dumps(data))
-    with pytest.raises(InputError, match=r"needs the section \[series\] if and only if its form is"):
+    with pytest.raises(InputError, match=complaint):
         read_law_file(tmp_path / "law.toml")
+
+
+@pytest.mark.parametrize(
+    ("square", "right"),
+    [
+        ([[1.0, 2e-3], [2e-3, 4e-6]], True),  # a root of 0, of numbers that are fully correlated
+        ([[1.0, 2e-3], [2e-3, 4e-6 * (1.0 - 1e-12)]], True),  # with their rounding
+        ([[0.0, 0.0], [0.0, 1.0]], True),
+        ([[1.0, 3e-3], [3e-3, 4e-6]], False),  # a correlation of 1.5
+        ([[1.0, 1e-3], [2e-3, 4e-6]], False),
+        ([[-1.0, 0.0], [0.0, 1.0]], False),
+        ([[0.0, 1e-3], [1e-3, 1.0]], False),
+        # any two of which may be as correlated, but not all three: the sum has the variance 3 - 6 * 0.6
+        ([[1.0, -0.6, -0.6], [-0.6, 1.0, -0.6], [-0.6, -0.6, 1.0]], False),
+    ],
+)
+def test_variances_of_sums_are_not_negative(square: list[list[float]], right: bool) -> None:
+    assert is_covariance(np.array(square)) is right
 
 
 def test_no_such_file(tmp_path: Path) -> None:

@@ -68,7 +68,7 @@ def test_the_band_holds_between_the_samples(shape: Shape, mode: Mode, ratio: flo
         fit, _ = noisy_fit(shape, mode, ratio, seed, 1e-4)
         inside = x <= fit.range[1]
         fitted = design(fit.terms, x) @ fit.coefficients
-        held.extend((np.abs(fitted - exact) <= band(fit.terms, fit.covariance, x))[inside])
+        held.extend((np.abs(fitted - exact) <= band(design(fit.terms, x), fit.covariance))[inside])
     assert np.mean(held) > 0.9
 
 
@@ -196,7 +196,7 @@ def test_what_surroundings_add_is_not_taken_for_the_pairs(
     assert abs(fit.coefficients[0] - known) < fit.intervals[0] < 3e-5 * known
     inside = x <= fit.range[1]
     off = np.abs(design(fit.terms, x) @ fit.coefficients - exact)
-    assert np.all((off < band(fit.terms, fit.covariance, x))[inside])
+    assert np.all((off < band(design(fit.terms, x), fit.covariance))[inside])
     assert fit.used.all()
 
 

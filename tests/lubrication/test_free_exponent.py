@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.lubrication.fitting import CONFIDENCE
-from fsi.lubrication.free_exponent import PLANAR, REVOLVED, fit_exponent
+from fsi.arrays import Array
+from fsi.lubrication.fitting import CONFIDENCE, Fit, band, design, design_with_exponent
+from fsi.lubrication.free_exponent import PLANAR, REVOLVED, FreeSeries, fit_exponent
 from fsi.lubrication.named_laws import exact_resistance
 
 S = np.geomspace(1e-6, 1e-2, 16)
@@ -23,7 +24,10 @@ S = np.geomspace(1e-6, 1e-2, 16)
 def test_the_exponent_of_a_series_is_found_within_its_interval(
     m: float, c: tuple[float, ...], seed: int
 ) -> None:
-    """s^-m + c_2 s^(-m/3) + c_3 + c_4 s^(m/3), off by its bars: within four of their deviations."""
+    """s^-m + c_2 s^(-m/3) + c_3 + c_4 s^(m/3), off by its bars: within four of their deviations.
+
+    So is the law, with bars that are no longer than those of single samples (`test_a_law_is_known_...`).
+    """
     noise = 1e-6 * np.random.default_rng(seed).standard_normal(len(S))
     K = (S[:, None] ** (m * np.array([-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0])) * [1.0, *c]).sum(axis=1)
     if np.any(K <= 0.0):
@@ -31,6 +35,8 @@ def test_the_exponent_of_a_series_is_found_within_its_interval(
     fit = fit_exponent(S, K * (1.0 + noise), 1e-6 * K)
     assert abs(fit.exponent + m) < 4.0 * fit.exponent_error
     assert abs(fit.coefficients[0] - 1.0) < 4.0 / CONFIDENCE * fit.intervals[0]
+    off = np.abs(design(fit.terms, S) @ fit.coefficients - K)[fit.used]
+    assert np.all(off < 4.0 / CONFIDENCE * width_of_law(fit, S[fit.used]))
     # Samples of 1e-6 over four decades give it to 1e-7 alone; terms that are close by, to 4e-5 at m = 0.4.
     # Where by chance the widest gaps do not agree (one time of twenty) and are left out, to a few times that.
     assert fit.exponent_error < (1e-4 if fit.used.all() else 1e-3)
@@ -87,6 +93,28 @@ def test_a_sphere_beside_a_plane_has_its_own_exponent(low: float, high: float) -
     assert abs(fit.exponent + 1.0) < CONFIDENCE * fit.exponent_error
     assert abs(fit.coefficients[0] - 6.0 * np.pi) < fit.intervals[0]
     assert fit.used.all()
+
+
+def width_of_law(fit: Fit, s: Array) -> Array:
+    """Half width of the 95 % interval of K(s)."""
+    assert fit.slopes is not None
+    return band(design_with_exponent(fit.terms, fit.coefficients, fit.slopes, s), fit.covariance)
+
+
+@pytest.mark.parametrize("series", [PLANAR, REVOLVED, PLANAR.confined()])
+def test_a_law_is_known_as_well_as_each_of_its_samples(series: FreeSeries) -> None:
+    """A sample of the bar b has the variance 2 b^2 (independent and common), a fit to it and others no more.
+
+    By errors of the coefficients alone, which those of the exponent cancel, it was up to 30 times as wide.
+    """
+    s = np.geomspace(1e-6, 1e-2, 12)
+    K = s**-0.75 + 2.0
+    bars = 1e-6 * K
+    fit = fit_exponent(s, K, bars, series)
+    assert fit.used.all()
+    width = width_of_law(fit, s)
+    assert np.all(width <= CONFIDENCE * np.sqrt(2.0) * bars * (1.0 + 1e-6))
+    assert np.all(width >= CONFIDENCE * bars * (1.0 - 1e-6))  # what is common to all is averaged away by none
 
 
 def test_too_few_samples_are_refused() -> None:
