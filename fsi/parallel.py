@@ -192,7 +192,12 @@ def _say(message: str) -> None:
 
 def _traceback(error: BaseException) -> tuple[str, int]:
     """What Python says of an error that nobody catches."""
-    return "".join(traceback.format_exception(error)), getattr(error, "exit_code", 1)
+    words = "".join(traceback.format_exception(error))
+    match error:
+        case SystemExit(code=int() as code) if code:  # not 0: the others are ended, and nothing is done
+            return words, code
+        case _:
+            return words, getattr(error, "exit_code", 1)
 
 
 def _uncaught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

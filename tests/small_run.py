@@ -49,7 +49,7 @@ def start(case: Case, folder: Path) -> Outcome:
 
 
 def contents(folder: Path) -> dict[str, Any]:
-    """Every file of a run but its provenance; steps.csv without CPU seconds, nor its length that has them."""
+    """Every file of a run but its provenance; steps.csv without CPU seconds, nor what counts these."""
     files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
     del files["provenance.json"]
     found: dict[str, Any] = {name: path.read_bytes() for name, path in files.items()}
@@ -58,13 +58,23 @@ def contents(folder: Path) -> dict[str, Any]:
         for row in rows(folder / "steps.csv")
     ]
     with np.load(folder / "state.npz") as state:
-        found["state.npz"] = {key: state[key].tobytes() for key in state if key != "lengths/steps.csv"}
+        found["state.npz"] = {key: state[key].tobytes() for key in state if not key.endswith("/steps.csv")}
     return found
 
 
 def rows(table: Path) -> list[dict[str, str]]:
     with table.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
+
+
+def made_older(folder: Path) -> None:
+    """Take from a state what older runs did not keep: the strain, checksums, and of which case it is."""
+    with np.load(folder / "state.npz") as state:
+        arrays = {name: state[name] for name in state.files}
+    older = {name: array for name, array in arrays.items() if name not in ("strain", "case")}
+    named: dict[str, Any] = {name: array for name, array in older.items() if not name.startswith("sums/")}
+    assert len(named) < len(older) < len(arrays) - 1
+    np.savez(folder / "state.npz", **named)
 
 
 def launches(folder: Path) -> list[dict[str, Any]]:

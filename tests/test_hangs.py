@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+import fsi.parallel as parallel
 from bench.hangs import COMMANDS, Site, trial, trials
+from fsi.errors import SolveError
 from tests.ranks import python_on
 
 # Two ranks; each scenario ends with an exchange that hangs if one rank does not come.
@@ -64,6 +66,17 @@ def test_an_error_goes_on_if_all_ranks_have_it_and_else_ends_them_all(
         messages,
     ), done.stderr
     assert time.monotonic() - began < 60.0
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [(SystemExit(5), 5), (SystemExit(0), 1), (SystemExit("no"), 1), (SolveError("no"), 3), (ValueError(), 1)],
+)
+def test_the_exit_code_of_a_rank_that_ends_all_is_its_own(error: BaseException, code: int) -> None:
+    """As Python leaves with it, `sys.exit(5)` with 5; 0 would say that what all did is done."""
+    words, found = parallel._traceback(error)
+    assert found == code
+    assert type(error).__name__ in words
 
 
 @pytest.mark.mpi

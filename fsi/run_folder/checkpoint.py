@@ -3,7 +3,7 @@
 import io
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -22,13 +22,21 @@ _ZIP = b"PK\x03\x04"
 class Checkpoint:
     """The state of the stepper and of the model, and how far the files of the run belong to it.
 
-    model: what `Model.state` gave; lengths: bytes of each table; entries: number of each series' entries.
+    Attributes:
+        state: of the stepper.
+        model: what `Model.state` gave.
+        lengths: bytes of each table.
+        entries: number of each series' entries.
+        sums: CRC-32 of those bytes of each table; older runs have none.
+        case: the digest of what stays of the case, see `one_case`; older runs have none.
     """
 
     state: State
     model: Mapping[str, NDArray[Any]]
     lengths: Mapping[str, int]
     entries: Mapping[str, int]
+    sums: Mapping[str, int] = field(default_factory=dict)
+    case: str | None = None
 
 
 def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
@@ -39,7 +47,9 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     arrays["strain"] = state.q.strain
     if state.past is not None:
         arrays |= {f"past/{field.name}": getattr(state.past, field.name) for field in fields(Past)}
-    for group in ("model", "lengths", "entries"):
+    if checkpoint.case is not None:
+        arrays["case"] = checkpoint.case
+    for group in ("model", "lengths", "entries", "sums"):
         arrays |= {f"{group}/{key}": value for key, value in getattr(checkpoint, group).items()}
     packed = io.BytesIO()
     np.savez(packed, **arrays)
@@ -69,6 +79,9 @@ def _checkpoint(arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
         prefix = f"{name}/"
         return {key.removeprefix(prefix): value for key, value in arrays.items() if key.startswith(prefix)}
 
+    def counts(name: str) -> dict[str, int]:
+        return {key: int(value) for key, value in group(name).items()}
+
     strain = float(arrays.get("strain", 0.0))  # older runs have none: no stress sheared their cells
     q = Configuration(arrays["centres"], arrays["angles"], arrays["radii"], strain=strain)
     if len({len(part) for part in (q.centres, q.angles, q.radii, arrays["U"][: len(q)])}) > 1:
@@ -77,6 +90,8 @@ def _checkpoint(arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
     return Checkpoint(
         State(float(arrays["t"]), int(arrays["step"]), q, arrays["U"], float(arrays["h"]), past),
         group("model"),
-        {name: int(value) for name, value in group("lengths").items()},
-        {name: int(value) for name, value in group("entries").items()},
+        counts("lengths"),
+        counts("entries"),
+        counts("sums"),
+        str(arrays["case"]) if "case" in arrays else None,
     )

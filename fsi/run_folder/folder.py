@@ -9,12 +9,12 @@
     fields/*.vtu      what the model writes, listed in time by fluid.pvd and surface.pvd
     state.npz         what the next step depends on
 
-Rows are appended and files added first; state.npz, replaced in one go, is the commit: it knows how
-long the tables and series were. Resuming reads these, but no field files, and changes nothing unless all are
-sound; then it cuts off whatever came after the commit and repeats those steps. So a run that was killed and
-resumed ends, in serial, with the same files bit by bit as an unbroken one, but for provenance.json, the
-columns cpu_*, and the length of steps.csv, which has these, in state.npz. One process runs a folder at a
-time, see `fsi.run_folder.alone`.
+Rows are appended and files added first; state.npz, replaced in one go, is the commit: it knows of which case
+it is, how long the tables and series were, and checksums of the tables. Resuming reads these, but no field
+files, and changes nothing unless all are sound; then it cuts off whatever came after the commit and repeats
+those steps. So a run that was killed and resumed ends, in serial, with the same files bit by bit as an
+unbroken one, but for provenance.json, the columns cpu_*, and, in state.npz, length and checksum of steps.csv,
+which has these. One process runs a folder at a time, see `fsi.run_folder.alone`.
 
 To have all on the disk takes milliseconds, more than many a step. So steps are committed together where they
 follow each other so fast, SELDOM times as long after a commit as it took: a kill loses no more than that,
@@ -31,6 +31,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,7 @@ from fsi.run_folder.kept import (
     sound,
     write_provenance,
 )
+from fsi.run_folder.one_case import identity
 from fsi.run_folder.paraview import Collection, Entry
 from fsi.run_folder.tables import body_table, step_table
 
@@ -90,6 +92,8 @@ class RunFolder:
         self._given = given  # an empty folder of the user's, which stays
         self.checkpoint = kept.checkpoint
         self._lengths = dict(kept.checkpoint.lengths) if kept.checkpoint else {STEPS: 0, BODIES: 0}
+        self._sums = dict(kept.sums)
+        self._case = identity(kept.provenance)
         self._rows: dict[str, bytes] = {}  # of each table those that are not on the disk yet
         self._headers: dict[str, list[str]] = {}
         self._series = {series: Collection(entries) for series, entries in kept.series.items()}
@@ -189,14 +193,15 @@ class RunFolder:
             return
         began = time.perf_counter()
         with disk(self.path, SolveError, self._goes_on):
-            lengths = {table: self._append(table, rows) for table, rows in self._rows.items()}
+            lengths = self._lengths | {table: self._append(table, rows) for table, rows in self._rows.items()}
             for series in self._grown:
                 replace(self._collection(series), self._series[series].xml())
             counts = {series: len(files.entries) for series, files in self._series.items()}
-            checkpoint = Checkpoint(*self._next, self._lengths | lengths, counts)
-            write_checkpoint(self.path / STATE, checkpoint)
+            sums = {table: crc32(rows, self._sums.get(table, 0)) for table, rows in self._rows.items()}
+            sums = self._sums | sums
+            write_checkpoint(self.path / STATE, Checkpoint(*self._next, lengths, counts, sums, self._case))
         self._next = None  # first: broken off after this, nothing is committed twice
-        self._lengths |= lengths
+        self._lengths, self._sums = lengths, sums
         self._rows, self._grown = {}, set()
         ended = time.perf_counter()
         self._due = ended + SELDOM * (ended - began)

@@ -10,12 +10,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 from fsi.case.case import Case
 from fsi.errors import FsiError, InputError
 from fsi.files import content, json_of, replace
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
-from fsi.run_folder.one_case import case_record, require_as_written
+from fsi.run_folder.one_case import case_record, require_as_written, require_of_one_run
 from fsi.run_folder.paraview import Entry, read_collection
 from fsi.run_folder.rows import read_rows
 
@@ -35,11 +36,13 @@ class Kept:
         provenance: the content of provenance.json.
         checkpoint: the last commit; None before the first.
         series: the entries of each series that belong to it.
+        sums: the CRC-32 of what belongs to it of each table, of older runs too, which keep none.
     """
 
     provenance: Mapping[str, Any]
     checkpoint: Checkpoint | None = None
     series: Mapping[str, list[Entry]] = field(default_factory=dict)
+    sums: Mapping[str, int] = field(default_factory=dict)
 
 
 def require_run(path: Path) -> None:
@@ -50,15 +53,28 @@ def require_run(path: Path) -> None:
 
 def require_as_begun(path: Path) -> None:
     """Raise InputError where someone has changed the case since the run began; older runs cannot tell."""
+    if (record := _record(path)) is not None:
+        require_as_written(path, record, path / CASE)
+
+
+def require_commit_of(path: Path, checkpoint: Checkpoint) -> None:
+    """Raise InputError where a commit is not that of the run in a folder; older runs cannot tell."""
+    if (record := _record(path)) is not None:
+        require_of_one_run(path, record, checkpoint.case)
+
+
+def _record(path: Path) -> dict[str, Any] | None:
+    """What provenance.json keeps of the case; None where it keeps nothing. Raises InputError: no JSON."""
     kept = json_of(path / PROVENANCE, REMEDY) if (path / PROVENANCE).exists() else None
-    if isinstance(kept, dict) and all(isinstance(kept.get(key), dict) for key in ("case", "files")):
-        require_as_written(path, kept, path / CASE)
+    whole = isinstance(kept, dict) and all(isinstance(kept.get(key), dict) for key in ("case", "files"))
+    return kept if whole else None
 
 
 def sound(path: Path) -> Kept:
     """What is in a folder; every file that a run needs to go on is read, no field files.
 
-    Raises InputError: no run folder, of another version, or a file is not sound, or state.npz is lost.
+    Raises InputError: no run folder, of another version, a file is not sound or of another run, or state.npz
+    is lost.
     """
     require_run(path)
     with disk(path, InputError, REMEDY):
@@ -67,10 +83,10 @@ def sound(path: Path) -> Kept:
             _require_beginning(path)
             return Kept(provenance)
         checkpoint = read_checkpoint(path / STATE)
-        for table, length in checkpoint.lengths.items():
-            _require_rows(path / table, length, checkpoint.state.t)
+        require_of_one_run(path, provenance, checkpoint.case)
+        sums = {table: _sum_of_rows(path / table, checkpoint) for table in checkpoint.lengths}
         series = {name: _entries(path, name, count) for name, count in checkpoint.entries.items()}
-        return Kept(provenance, checkpoint, series)
+        return Kept(provenance, checkpoint, series, sums)
 
 
 def _require_beginning(path: Path) -> None:
@@ -86,17 +102,18 @@ def _require_beginning(path: Path) -> None:
         )
 
 
-def _require_rows(table: Path, length: int, end: float) -> None:
-    """Raise InputError, ValueError unless a table begins with so many bytes of rows of a run to that time."""
+def _sum_of_rows(table: Path, checkpoint: Checkpoint) -> int:
+    """The CRC-32 of what is committed of a table. Raises InputError, ValueError: that is not there."""
+    length = checkpoint.lengths[table.name]
     text = content(table, REMEDY)[:length] if length else b""
     if len(text) < length:
         raise InputError(f"output = {table.parent}: {table.name} has lost rows; put them back or run again")
-    if not length:
-        return
-    try:
-        read_rows(table.stem, text, end)
-    except ValueError as error:
-        raise ValueError(f"{table.name}: {error}") from None
+    if length:
+        try:
+            read_rows(table.stem, text, checkpoint.state.t, checkpoint.sums.get(table.name))
+        except ValueError as error:
+            raise ValueError(f"{table.name}: {error}") from None
+    return crc32(text)
 
 
 def _entries(path: Path, series: str, count: int) -> list[Entry]:

@@ -10,8 +10,10 @@ from fsi.case.case import Case
 from fsi.case.load import named_files, read_toml
 from fsi.case.section import toml_text
 from fsi.errors import InputError
+from fsi.files import digest_of
 
 MAY_CHANGE = ("time.end", "output.interval", "output.fields")
+_GOES_WITH_END = "time.smallest_step"
 ABSENT = "none"
 _NAMED = 5  # changes that a message lists
 _BRIEF = 12  # digits of a digest there
@@ -25,6 +27,33 @@ def case_record(case: Case) -> dict[str, Any]:
     digests = {key: digest(path) for key, path in named_files(data)}
     record: dict[str, Any] = json.loads(json.dumps({"case": data, "files": digests}))
     return record
+
+
+def identity(record: Mapping[str, Any]) -> str:
+    """The digest of what stays of a case, by its record: the same as long as its run goes on."""
+
+    def staying(section: str, values: Any) -> Any:
+        match values:
+            case dict():
+                changing = (*MAY_CHANGE, _GOES_WITH_END)
+                return {key: value for key, value in values.items() if f"{section}.{key}" not in changing}
+            case _:
+                return values
+
+    case = {section: staying(section, values) for section, values in record["case"].items()}
+    return digest_of({"case": case, "files": record["files"]})
+
+
+def require_of_one_run(folder: Path, record: Mapping[str, Any], committed: str | None) -> None:
+    """Raise InputError where a commit is that of another case than the record; those of older runs tell none.
+
+    committed: the `identity` that it keeps.
+    """
+    if committed not in (None, identity(record)):
+        raise InputError(
+            f"{folder}: a run is one case, and state.npz is of another one than provenance.json; put the "
+            "files of one run there, or run the case again into another folder"
+        )
 
 
 def changes(kept: Mapping[str, Any], case: Case) -> Changes:

@@ -5,6 +5,7 @@ import io
 from itertools import pairwise
 from math import isfinite
 from typing import TYPE_CHECKING
+from zlib import crc32
 
 from fsi.bodies.configuration import PLACES
 
@@ -24,11 +25,14 @@ _SOMETIMES = (*_VISCOSITIES, "stress", "err_dissipation")
 _LAST_DIGITS = 1e-12  # relative: pandas before 3 may read the last digit of a number as another
 
 
-def read_rows(table: str, text: bytes, end: float) -> "pd.DataFrame":
+def read_rows(table: str, text: bytes, end: float, checksum: int | None = None) -> "pd.DataFrame":
     """The rows of a table (its name without ".csv"), of a run that has come to the time `end`.
 
+    checksum: the CRC-32 of what the run has written, if it is known.
+
     Raises ValueError unless they are as a run writes them: whole rows under the columns that this table
-    begins with, of numbers, in the order of time; in bodies.csv as many for each step.
+    begins with, of numbers, in the order of time; in bodies.csv as many for each step; and, last, as it has
+    indeed written them.
     """
     import pandas as pd  # takes a fifth of a second to load
 
@@ -44,6 +48,8 @@ def read_rows(table: str, text: bytes, end: float) -> "pd.DataFrame":
         raise ValueError(f"t = {frame['t'].iloc[-1]} in its last row is after t = {end}, the run's last")
     if table == "bodies" and frame["step"].value_counts().nunique() > 1:
         raise ValueError("its steps have different numbers of bodies")
+    if checksum not in (None, crc32(text)):
+        raise ValueError("its rows are others than were written")
     return frame
 
 

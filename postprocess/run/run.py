@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -33,7 +32,7 @@ from fsi.meshes.geometry.container import Container
 from fsi.postprocess.run.grids import joined, read_grid
 from fsi.postprocess.run.tables import read_table, rows_of
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
-from fsi.run_folder.kept import CASE, PROVENANCE, STATE, require_as_begun
+from fsi.run_folder.kept import CASE, PROVENANCE, STATE, require_as_begun, require_commit_of
 from fsi.run_folder.paraview import Entry, read_collection
 
 _REMEDY = "give a run folder as `fsi run` has written it, or run the case again"
@@ -112,8 +111,11 @@ class Run:
         path, commit = self.path / f"{name}.csv", self._commit
         if name == "bodies" and not self.case.names:
             raise InputError(f"{self.path}: the run has no bodies, and so no {path.name}")
-        length, end = (commit.lengths.get(path.name), commit.state.t) if commit else (None, inf)
-        return read_table(path, length, end)
+        if commit is None:
+            if not path.exists():
+                raise InputError(f"{path}: is not there yet; continue the run with `fsi resume`")
+            return read_table(path, None)
+        return read_table(path, commit.lengths.get(path.name), commit.state.t, commit.sums.get(path.name))
 
     def columns(self, name: str) -> dict[str, Array]:
         """The columns of numbers of `name`.csv, each of shape (rows,). Raises InputError."""
@@ -163,6 +165,8 @@ class Run:
             names = sorted(each.stem for each in self.path.glob("*.pvd"))
             if names and series not in ("fluid", "surface"):
                 raise InputError(f"series = {series}: the run has none of it; give {', '.join(names)}")
+            if self.case.output.fields:
+                self.table("steps")  # without a step yet there are no fields either
             what = f"{self.path / series}.pvd: the run has written no fields"
             remedy = "set output.fields = true and run it again"
             if self.series == "fluid" and self.case.geometry == "planar":
@@ -251,9 +255,13 @@ class Run:
 
     @cached_property
     def _commit(self) -> Checkpoint | None:
-        """How far the files are complete; None where nothing tells."""
+        """How far the files are complete; None where nothing tells. Raises InputError: of another run."""
         path = self.path / STATE
-        return _sound(read_checkpoint, path) if path.exists() else None
+        if not path.exists():
+            return None
+        commit = _sound(read_checkpoint, path)
+        require_commit_of(self.path, commit)
+        return commit
 
     def _entries(self, series: str) -> list[Entry]:
         path = self.path / f"{series}.pvd"

@@ -12,8 +12,10 @@ from fsi.files import content
 from fsi.run_folder.rows import read_rows
 
 
-def read_table(path: Path, length: int | None, end: float = inf) -> pd.DataFrame:
+def read_table(path: Path, length: int | None, end: float = inf, checksum: int | None = None) -> pd.DataFrame:
     """The first `length` bytes, all if None, of a table of a run that has come to the time `end`.
+
+    checksum: the CRC-32 of these bytes, if it is known.
 
     Raises InputError: there is no such file, it has no rows, or it is not as a run has written it.
     """
@@ -22,7 +24,7 @@ def read_table(path: Path, length: int | None, end: float = inf) -> pd.DataFrame
         raise _changed(path, f"{length - len(text)} bytes are missing at its end")
     text = text[:length]
     try:
-        frame = read_rows(path.stem, text, end) if text.strip() else pd.DataFrame()
+        frame = read_rows(path.stem, text, end, checksum) if text.strip() else pd.DataFrame()
     except ValueError as error:
         raise _changed(path, " ".join(str(error).split())) from None
     if frame.empty and path.stem != "contacts":  # there may be none

@@ -106,7 +106,7 @@ def test_files_are_looked_for_room_where_they_will_stand(
         match=rf"^output\.interval = 1e-06: .* of files, of 1 MB free in {tmp_path / 'run'};",
     ):
         require_room(case, tmp_path / "run")
-    assert asked == [tmp_path / "run"]
+    assert set(asked) == {tmp_path / "run"}
     with pytest.raises(InputError, match=r"^output\.interval"):
         run(case, tmp_path / "run")
     assert not list(tmp_path.iterdir())
@@ -122,6 +122,23 @@ def test_what_files_take_is_told_as_it_is_estimated(tmp_path: Path, monkeypatch:
     monkeypatch.setattr("fsi.machine.resources.free_disk", lambda _: 23e9)
     with pytest.raises(InputError, match=r" with some 70 GB of files, of 23 GB free in "):
         require_room(case, tmp_path)
+
+
+def test_longer_steps_are_no_remedy_where_nothing_can_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two steps of one disc take 2 (200 + 150) bytes without fields: a third, 233.3, must be free."""
+    case = load_case(CASES / "settling_disc.toml", ["output.interval=0.1", "output.fields=false"])
+    with pytest.raises(InputError, match=r"^output = /proc/x: .*; give a folder that can be written$"):
+        require_room(case, Path("/proc/x"))
+    monkeypatch.setattr("fsi.machine.resources.free_disk", lambda _: 233.0)
+    with pytest.raises(
+        InputError, match=r"^output = .*/run: two steps, .*; make room, or give another folder$"
+    ):
+        require_room(case, tmp_path / "run")
+    monkeypatch.setattr("fsi.machine.resources.free_disk", lambda _: 234.0)
+    with pytest.raises(InputError, match=r"^output\.interval = 0\.1: .*; give longer ones$"):
+        require_room(case, tmp_path / "run")
 
 
 def test_pores_take_time_and_memory_by_their_modes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

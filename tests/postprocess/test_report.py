@@ -98,7 +98,7 @@ def test_changed_tables_are_refused(table: str, tmp_path: Path) -> None:
 def test_a_run_killed_before_its_first_step(run: Path) -> None:
     (run / "bodies.csv").unlink()
     (run / "fluid.pvd").unlink()
-    assert "steps.csv: No such file" in page(run)
+    assert "steps.csv: is not there yet; continue the run with `fsi resume`" in page(run)
 
 
 def test_output_must_be_html(run: Path) -> None:

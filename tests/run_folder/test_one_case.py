@@ -16,10 +16,11 @@ from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.case.load import load_case, named_files, read_toml
 from fsi.errors import InputError
 from fsi.models import make_evolution
+from fsi.run_folder.one_case import case_record, identity
 from fsi.runs import MakeEvolution, resume, run
 from tests.commands import fsi_command
 from tests.reduced_data import heap, reduced_case
-from tests.small_run import EXACT, break_off, launches, rows, small_case, start
+from tests.small_run import EXACT, break_off, launches, made_older, rows, small_case, start
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -241,10 +242,40 @@ def test_a_memory_that_the_model_does_not_know_is_refused(tmp_path: Path) -> Non
     (folder / "state.npz").write_bytes((other / "state.npz").read_bytes())
     for table in ("steps.csv", "bodies.csv", "fluid.pvd", "surface.pvd"):
         (folder / table).write_bytes((other / table).read_bytes())
+    made_older(folder)  # or it is refused as that of another case
     before = everything(folder)
     with pytest.raises(InputError, match=r"state\.npz is damaged .*; put that right or run the case again"):
         resume(folder)
     assert everything(folder) == before
+
+
+def test_a_folder_of_two_cases_is_refused_by_all_that_go_on_with_it_or_read_it(tmp_path: Path) -> None:
+    """All but case and provenance is of a run in twice as viscous a fluid: it was gone on with, and drawn."""
+    folder = stopped(tmp_path / "run", small_case())
+    other = stopped(tmp_path / "other", small_case(fluid={"viscosity": 2.0}))
+    for name, data in everything(other).items():
+        if name not in ("case.toml", "provenance.json"):
+            (folder / name).write_bytes(data)
+    before = everything(folder)
+    told = r"run: a run is one case, and state\.npz is of another one than provenance\.json; put the files"
+    with pytest.raises(InputError, match=told):
+        resume(folder, make=EXACT)
+    for name in ("steps", "bodies"):
+        with pytest.raises(InputError, match=told):
+            fsi.open_run(folder).table(name)
+    with pytest.raises(InputError, match=told):
+        fsi.open_run(folder).mesh()
+    assert everything(folder) == before
+
+
+def test_what_may_change_makes_no_other_case() -> None:
+    """A later end, with its smallest step, and other output; the viscosity, or the file of a law, do."""
+    record = case_record(small_case())
+    later = small_case(time={"end": 2.0, "tolerance": 1e-6, "first_step": 0.5}, output={"fields": False})
+    assert case_record(later) != record
+    assert identity(case_record(later)) == identity(record)
+    assert identity(case_record(small_case(fluid={"viscosity": 2.0}))) != identity(record)
+    assert identity(record | {"files": {"reduced.wall_law": "0"}}) != identity(record)
 
 
 def test_the_command_and_python_say_the_same(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

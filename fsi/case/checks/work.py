@@ -23,6 +23,7 @@ from fsi.case.gluey import LimitStudy
 from fsi.case.section import CaseContext
 from fsi.case.sections import Discretisation
 from fsi.errors import InputError
+from fsi.files import require_folder
 from fsi.machine.resources import memory, require_disk, require_memory, size
 from fsi.meshes.estimate import Narrows, cells_of
 from fsi.meshes.resolution import Resolution
@@ -157,18 +158,30 @@ def _steps(case: Case) -> tuple[float, float]:
 
 
 def require_room(case: Case, folder: Path) -> None:
-    """Raise InputError where the files of a run, with [time], have no room on the disk of its folder."""
+    """Raise InputError where a run, with [time], cannot write its files, or they have no room on the disk.
+
+    folder: of the run, which will be made, or is there.
+    """
     if (time := case.time) is None:
         return
-    (steps, outputs), each, unknowns = _steps(case), 2 * _ROW * len(case.bodies), 0.0
-    if case.level.meshed and case.domain.mesh is None:
-        unknowns = _unknowns(case, find_gaps(case.configuration(), case.container()), case.discretisation)
-    rows = (_ROW + _BODY_ROW * len(case.bodies)) * steps
-    files = (_FIELD * unknowns + each) * outputs if case.output.fields else 0.0
-    few = case.output.interval is None
-    key = f"time.step = {time.step}" if few or rows > files else f"output.interval = {case.output.interval}"
+    require_folder(folder)
+    row, field = _ROW + _BODY_ROW * len(case.bodies), _field(case) if case.output.fields else 0.0
+    remedy = "make room, or give another folder"  # longer steps are no fewer than the first and the last
+    require_disk(f"output = {folder}: two steps", 2.0 * (row + field), remedy, folder, _SURE)
+    steps, outputs = _steps(case)
+    rows, files = row * steps, field * outputs
+    short = case.output.interval is None or (steps > outputs and rows > files)
+    key = f"time.step = {time.step}" if short else f"output.interval = {case.output.interval}"
     what = f"{key}: {steps:.2g} steps to time.end = {time.end:g}"
     require_disk(what, rows + files, "give longer ones", folder, _SURE)
+
+
+def _field(case: Case) -> float:
+    """Bytes of the field files of a step."""
+    unknowns = 0.0
+    if case.level.meshed and case.domain.mesh is None:
+        unknowns = _unknowns(case, find_gaps(case.configuration(), case.container()), case.discretisation)
+    return _FIELD * unknowns + 2 * _ROW * len(case.bodies)
 
 
 def require_room_for_samples(case: Case, folder: Path) -> None:

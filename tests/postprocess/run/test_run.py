@@ -10,6 +10,8 @@ import pytest
 
 import fsi
 from fsi.errors import InputError
+from fsi.run_folder.folder import RunFolder
+from fsi.run_folder.provenance import launch
 from tests.small_run import small_case, start
 
 CELLS = 2 * 24 * 5
@@ -81,10 +83,26 @@ def test_steps_and_times_that_are_none(run: Path, tmp_path: Path) -> None:
 
 def test_a_run_without_fields(run: Path) -> None:
     (run / "fluid.pvd").unlink()
+    with (run / "case.toml").open("a") as case:
+        case.write("[output]\nfields = false\n")
     opened = fsi.open_run(run)
     assert opened.times.empty
     with pytest.raises(InputError, match=r"fluid\.pvd.*no fields; set output\.fields = true"):
         opened.mesh()
+
+
+def test_a_run_killed_before_its_first_step_is_continued(tmp_path: Path) -> None:
+    """Its case asks for fields already, and its folder is that of a run: these were the remedies."""
+    RunFolder.create(tmp_path / "run", small_case(), launch())
+    opened = fsi.open_run(tmp_path / "run")
+    with pytest.raises(
+        InputError, match=r"steps\.csv: is not there yet; continue the run with `fsi resume`$"
+    ):
+        opened.mesh()
+    with pytest.raises(
+        InputError, match=r"bodies\.csv: is not there yet; continue the run with `fsi resume`$"
+    ):
+        opened.table("bodies")
 
 
 def test_not_a_run_folder(tmp_path: Path) -> None:
