@@ -68,7 +68,7 @@ def probe(
     step: Step = None,
     output: Annotated[Path | None, output_to("A CSV file.", "the terminal")] = None,
 ) -> None:
-    """Print velocity, pressure, vorticity and strain rate at points, as CSV.
+    """Print velocity, pressure, vorticity and strain rate, sqrt(2 e:e), at points, as CSV.
 
     The values are the finite element's own; between pores velocities are interpolated to some 1e-3 of the
     largest, pressures to 2e-2. `where` names the body that holds a point, or says `outside`.

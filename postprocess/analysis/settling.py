@@ -141,7 +141,7 @@ def settling_table(history: Settling) -> Table:
     """The history as a table, closed by the step of the largest difference."""
     t, gap, exact, difference = history.time, history.gap, history.exact, history.difference
     rows = [*chosen_rows(history.gap), int(np.abs(history.difference).argmax())]
-    cells = [[f"{t[k]:.6g}", f"{gap[k]:.6e}", f"{exact[k]:.6e}", f"{difference[k]:+.1e}"] for k in rows]
+    cells = [[f"{t[k]:.6g}", f"{gap[k]:.3e}", f"{exact[k]:.3e}", f"{difference[k]:+.1e}"] for k in rows]
     headings = ("t", "gap", "exact gap", "relative difference")
     caption = f"last line: the largest difference of all {len(t)} steps"
     listed = table((), headings, cells, title=f"{history.body} settling onto a plane", caption=caption)

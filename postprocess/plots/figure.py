@@ -22,6 +22,7 @@ GREY = "#999999"  # of exact curves, which lie broad below the others
 STYLE: dict[Any, Any] = {
     "font.size": 11, "axes.titlesize": 12, "axes.titlelocation": "left", "legend.frameon": False,
     "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.3,
+    "axes.formatter.useoffset": False,
 }  # fmt: skip
 
 

@@ -43,6 +43,7 @@ _LAWS: dict[str, dict[str, Any]] = {
 }
 _LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 _CONSTANT = 1e-6  # relative changes below it are rounding: the axis begins at zero
+_LEAST_SPAN = 1e-3  # of the largest value: on shorter axes errors of the elements would look like a trend
 _ROUNDING = 1e-12  # of the largest value: what is below it is not drawn on a logarithmic axis
 _DENSE = 200  # times of a law, evenly and by powers of ten
 _FEW = 5  # rows whose values are marked: one alone has no line
@@ -184,6 +185,10 @@ def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
         label_short(axes.yaxis)
     elif y.size and np.ptp(y) < _CONSTANT * np.abs(y).max():
         axes.set_ylim(min(0.0, 1.2 * y.min()), max(0.0, 1.2 * y.max()))
+    elif y.size:
+        low, high = axes.get_ylim()
+        short = max(0.0, _LEAST_SPAN * np.abs(y).max() - (high - low))
+        axes.set_ylim(low - 0.5 * short, high + 0.5 * short)
     axes.set_ylabel(title)
 
 

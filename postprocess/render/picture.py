@@ -21,6 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 from PIL import Image
@@ -45,6 +46,7 @@ _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in pa
 _FITS = 56  # letters of the usual size above a panel
 _BESIDE = 6  # letters of the usual size beside a colour bar
 _OPENED = 1e-6  # a gap that is wider by so much in the mesh is opened there
+_ROOM = 0.045  # of a label beside a colour bar, in panels
 _SCALE = 0.25  # longest scale bar, in panels
 
 
@@ -153,10 +155,10 @@ def compose(title: str, panels: Sequence[Framed], theme: Theme = LIGHT) -> Pictu
             constant = panel.shades.cmap.N == 1
             ends = "neither" if constant else panel.cut
             shown = figure.colorbar(panel.shades, cax=bar, extend=ends, extendfrac=0.025)
-            if isinstance(norm := panel.shades.norm, LogNorm):
+            if isinstance(panel.shades.norm, LogNorm):
                 label_short(bar.yaxis)
-            elif isinstance(norm, SymLogNorm):
-                shown.set_ticks(_labelled(shown.get_ticks(), norm))
+            if isinstance(panel.shades.norm, LogNorm | SymLogNorm):
+                _label_ends(shown, _ROOM / panel.aspect)
             elif constant:
                 shown.set_ticks([np.mean(panel.shades.get_clim())])
             _label_beside(bar.yaxis)
@@ -183,15 +185,26 @@ def _label_beside(axis: Axis) -> None:
     axis.set_tick_params(labelsize=11.0 * min(1.0, _BESIDE / longest))
 
 
-def _labelled(ticks: Iterable[float], norm: SymLogNorm) -> list[float]:
-    """Those that a colour bar labels.
+def _label_ends(bar: Colorbar, room: float) -> None:
+    """Label the ends of a logarithmic colour bar too, and leave out what is nearer to another than the room.
 
-    Beyond its ends they would stretch it past the colours; in the linear part they would lie upon each other.
+    Ticks beyond its ends would stretch it past the colours; in a linear part they lie upon each other.
     """
-    low, high = norm.vmin, norm.vmax
-    assert low is not None
-    assert high is not None
-    return [t for t in ticks if low <= t <= high and (t == 0.0 or abs(t) >= norm.linthresh)]
+    formatter, place = bar.ax.yaxis.get_major_formatter(), bar.norm
+    low, high = bar.mappable.get_clim()
+    taken, inner = [0.0, 1.0], list[float]()
+    for tick in sorted((tick for tick in bar.get_ticks() if low < tick < high), key=abs):
+        if min(abs(float(place(tick)) - other) for other in taken) > room:
+            inner.append(tick)
+            taken.append(float(place(tick)))
+    ends = PlainNumbers().format_ticks([_rounded(low, high), _rounded(high, low)])
+    bar.set_ticks([*inner, low, high], labels=formatter.format_ticks(inner) + ends)
+
+
+def _rounded(end: float, other: float) -> float:
+    """One end of a range with three digits of its own, and of the range."""
+    least = min(abs(end), abs(other - end)) or 1.0
+    return round(end, 2 - int(np.floor(np.log10(least))))
 
 
 def _frame(axes: Axes, panel: Framed) -> None:

@@ -10,9 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.integration.contact import contact_time
+from fsi.integration.errors import ErrorEstimate, StepErrors
+from fsi.integration.state import Instant
 from fsi.postprocess.run.run import open_run
 from fsi.report.contact import told_contact
 from fsi.runs import resume, run
@@ -70,6 +74,37 @@ def test_a_run_ends_where_its_gap_comes_to_that_of_contact(tmp_path: Path) -> No
     assert told.startswith("no contact in finite time: the gap closes as")
     again = resume(tmp_path / "run", make=by(DiscsBesidePlane))
     assert (again.steps, again.contact) == (0, True)
+
+
+class TipsBesidePlane(DiscsBesidePlane):
+    """Bodies that resist as 10 q^(-3/4), known exactly."""
+
+    def resistance(self, q: Configuration) -> Array:
+        R = super().resistance(q)
+        R[:, 1] = 10.0 * (q.centres[:, 1] - q.radii) ** -0.75
+        return R
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:  # noqa: ARG002
+        nothing = np.zeros_like(instant.U)
+        return StepErrors(ErrorEstimate(nothing, nothing), {})
+
+
+@pytest.mark.parametrize("estimated", [True, False])
+def test_errors_of_times_of_contact_have_those_of_steps_where_they_are_known(
+    estimated: bool, tmp_path: Path
+) -> None:
+    """From q = 1 under F = 20 after 10/F / (1/4) = 2; long steps miss 5e-3, but follow the law to 1e-11."""
+    falling = {"name": "tip", "radius": 1.0, "position": [0.0, 2.0], "velocity": [0.0, "free"]}
+    falling |= {"angular_velocity": 0.0, "force": [0.0, -20.0]}
+    time = {"end": 4.0, "contact_gap": 1e-4, "tolerance": 1e-2, "gap_loss": 0.5}
+    output = {"interval": 4.0, "error_estimates": estimated}
+    case = small_case(time=time, bodies=[falling], output=output)
+    run(case, tmp_path / "run", make=by(TipsBesidePlane))
+    said = told_contact(case, open_run(tmp_path / "run").columns("steps"))
+    found, bar = (float(said.split()[k].strip(",")) for k in (4, 6))
+    assert (abs(found - 2.0) < bar < 3.0 * abs(found - 2.0)) is estimated
+    assert said.endswith("has the errors of steps and elements") is estimated
+    assert ("give output.error_estimates = true" in said) is not estimated
 
 
 CLOSING = {"t": 1.0 - GAPS**0.75, "smallest_gap": GAPS}  # q^(3/4) falls evenly: contact at t = 1

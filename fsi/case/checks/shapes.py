@@ -8,6 +8,7 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.checks.walls import check_walls
 from fsi.case.section import toml_text
+from fsi.case.shapes.shape import AnyShape
 from fsi.errors import InputError
 
 
@@ -78,12 +79,20 @@ def _check_symmetric(case: Case) -> None:
     for i, body in enumerate(case.bodies):
         if body.shape is not None and not body.revolved.is_symmetric:
             assert isinstance(body.angle, float)  # it is none in space
-            nearest = 0.5 * pi * round(body.angle / (0.5 * pi))
+            nearest = _symmetric_turn(body.shape, body.angle)
+            quarter = "" if nearest is None else f" (the nearest quarter turn at which it is: {nearest!r})"
             raise InputError(
                 f"bodies.{i}.shape = {toml_text(body.shape)}: is not symmetric about the axis r = 0 at the "
-                f"angle {body.angle!r}; give a shape that is, or an angle to all digits (the nearest quarter "
-                f"turn is {nearest!r})"
+                f"angle {body.angle!r}; give a shape that is, or an angle to all digits{quarter}"
             )
+
+
+def _symmetric_turn(shape: AnyShape, angle: float) -> float | None:
+    """The quarter turn next to an angle at which the shape is symmetric about r = 0; None where none is."""
+    quarter = 0.5 * pi
+    last = round(angle / quarter)
+    turns = sorted((quarter * k for k in range(last - 2, last + 3)), key=lambda turn: abs(turn - angle))
+    return next((turn for turn in turns if shape.revolved(turn).is_symmetric), None)
 
 
 def _check_walls(case: Case) -> None:

@@ -146,6 +146,33 @@ def test_an_axis_of_a_constant_goes_upwards(settling_run: Fill, drawn: list[Figu
         assert drawn[-1].axes[0].get_ylim() == pytest.approx(ends)
 
 
+@pytest.mark.parametrize(
+    ("ends", "axis"),
+    [((4.0, 4.0004), (3.9981998, 4.0022002)), ((1000.0, 1001.1), (999.945, 1001.155))],
+)
+def test_an_axis_of_what_hardly_changes(
+    ends: tuple[float, ...],
+    axis: tuple[float, float],
+    settling_run: Fill,
+    drawn: list[Figure],
+    tmp_path: Path,
+) -> None:
+    """It is a thousandth of 4.0004 long at least, about 4.0002, not 4.4e-4, where noise looks like a trend.
+
+    Beyond that it has room of a twentieth. Labels have all digits: "+1e3" stood beside times from 0 to 0.5.
+    """
+    folder = settling_run([1000.0, 1000.5], list(ends))
+    (folder / "steps.csv").write_text("step,t\n0,1000.0\n1,1000.5\n")
+    plot_runs([fsi.open_run(folder)], tmp_path / "a.png", curves="y")
+    drawn[0].draw_without_rendering()
+    axes = drawn[0].axes[0]
+    assert axes.get_ylim() == pytest.approx(axis, rel=1e-9)
+    for axis_of, places in ((axes.xaxis, axes.get_xticks()), (axes.yaxis, axes.get_yticks())):
+        assert axis_of.get_offset_text().get_text() == ""
+        labels = [float(label.get_text()) for label in axis_of.get_ticklabels()]
+        np.testing.assert_allclose(labels, places, rtol=1e-12)
+
+
 @pytest.mark.parametrize(("rows", "marker"), [(1, "o"), (20, "")])
 def test_few_rows_have_marks(
     rows: int, marker: str, settling_run: Fill, drawn: list[Figure], tmp_path: Path

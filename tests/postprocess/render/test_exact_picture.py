@@ -201,7 +201,31 @@ def test_a_signed_colour_bar_ends_where_its_colours_end(
     assert bar.ax.get_ylim() == pytest.approx((-largest, largest))
     ticks = bar.get_ticks()
     assert np.abs(ticks).max() <= largest
-    assert {0.0} < set(ticks)
+    assert {0.0, largest, -largest} < set(ticks)
+
+
+@pytest.mark.parametrize(
+    ("norm", "ends"),
+    [
+        (Signed().norm((-8.0, 8.0)), ("-8", "8")),
+        (LogNorm(0.5 + 1e-12, 1.0), ("0.5", "1")),  # one contact, whose push is 1
+        (LogNorm(0.09004, 23.0 / 12.0), ("0.09", "1.92")),  # 0.1 would lie upon the end
+        (LogNorm(2.999e-7, 30.0), ("3e-07", "30")),
+    ],
+)
+def test_the_ends_of_a_logarithmic_colour_bar_are_labelled(
+    norm: Normalize, ends: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With three digits, at its ends; labels are a letter apart. Colours to 8 had -1, 0 and 1 alone."""
+    bars = colour_bars(monkeypatch)
+    shades = mpl.cm.ScalarMappable(norm, "viridis")
+    compose("title", [Framed(np.zeros((400, 400, 3), np.uint8), "title", 1.0, "label", shades, "both")])
+    labels = sorted(bars[0].ax.get_yticklabels(), key=lambda label: label.get_position()[1])
+    shown = [label.get_text() for label in labels]
+    places = norm(np.array([label.get_position()[1] for label in labels]))
+    assert (shown[0], shown[-1]) == ends
+    np.testing.assert_allclose(places[[0, -1]], [0.0, 1.0], atol=1e-12)
+    assert np.diff(places).min() > 0.04
 
 
 @pytest.mark.parametrize(
