@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -123,7 +124,7 @@ def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar, rows: list[dict[
         these = "" if outcome.steps == all_steps else f"the last {outcome.steps} in "
         typer.echo(
             f"{folder}: {all_steps} steps to t = {outcome.state.t:g}, "
-            f"smallest gap {nearest['smallest_gap']:.4g} (at t = {nearest['t']:g}), "
+            f"smallest gap {nearest['smallest_gap']:.4g} (at t = {nearest['t']:g}){_stored_gaps(rows)}, "
             f"{these}{bar.elapsed:.0f} s"
         )
     if outcome.contact:
@@ -132,3 +133,11 @@ def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar, rows: list[dict[
 
         finished = open_run(folder)
         typer.echo(told_contact(finished.case, finished.columns("steps")))
+
+
+def _stored_gaps(rows: list[dict[str, float]]) -> str:
+    """The least gap that pairs have stored, and how far such gaps are off those of the places."""
+    if (drift := max(row.get("drift", 0.0) for row in rows)) == 0.0:
+        return ""
+    least = Decimal(10) ** Decimal(min(row["log10_stored_gap"] for row in rows))  # beyond the range of floats
+    return f", stored {least:.4g} (drift {drift:.3g})"

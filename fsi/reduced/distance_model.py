@@ -5,7 +5,8 @@ Each step h
      underflow where D does; f holds the other pairs, drag and `G'.u` at the beginning of the step, and the
      loads. So stored gaps are positive;
   2. takes A with kappa(D^{n+1}) and G at q^n, and solves `(M + h Z + h A) u^{n+1} = M u^n + h Phi`;
-  3. moves the bodies, `q += h u^{n+1}`.
+  3. moves the bodies, `q += h u^{n+1}`; held modes have their mean velocity in the step, so that they are
+     where its integral takes them, and what they push keeps up with them.
 The energy inequality `1/2 |u^{n+1}|^2_M + h A u.u + ... <= 1/2 |u^n|^2_M + h Phi.u^{n+1}` holds at each
 step. Stored gaps drift away from those of the bodies, at first order in h; the drift is recorded.
 
@@ -75,7 +76,7 @@ class DistanceModel(ReducedModel):
     """The reduced model with inertia and a memory of its gaps; `begin` and then `march` make the steps."""
 
     def __init__(self, case: Case) -> None:
-        """A model of a case whose bodies have masses, without memory yet. Raises InputError."""
+        """A model of a case whose free bodies have masses, without memory yet. Raises InputError."""
         super().__init__(case)
         masses = case.masses()
         self.masses = np.zeros_like(self.zeta) if masses is None else masses
@@ -144,9 +145,11 @@ class DistanceModel(ReducedModel):
             stopped |= closed
 
     def _during(self, q: Configuration, t: float, t_end: float) -> Surroundings:
-        """Held velocities of the end of the step, loads of its middle: linear ones are integrated exactly."""
-        ambient = self.surroundings(q, t_end)
-        return replace(ambient, motion=replace(ambient.motion, F=self.motion(q, 0.5 * (t + t_end)).F))
+        """Walls at the end of the step, held velocities and loads of its middle.
+
+        Steps land on the kinks of both: as they are linear in between, these are their means over the step.
+        """
+        return replace(self.surroundings(q, t_end), motion=self.motion(q, 0.5 * (t + t_end)))
 
     def _advance_distances(
         self, state: State, pairs: Pairs, ambient: Surroundings, h: float
@@ -186,8 +189,8 @@ class DistanceModel(ReducedModel):
 
     def _inverse_masses(self, ambient: Surroundings, d: int) -> Array:
         """M^-1 of the translations, 0 where held, (N, d)."""
-        inverse: Array = np.where(ambient.motion.held[:, :d], 0.0, 1.0 / self.masses[:, :d])
-        return inverse
+        free = ~ambient.motion.held[:, :d]  # what is held may be without mass
+        return np.divide(1.0, self.masses[:, :d], out=np.zeros(free.shape), where=free)
 
     def _meet(
         self, q: Configuration, U: Array, memory: PairMemory, t: float, record: Mapping[str, float]

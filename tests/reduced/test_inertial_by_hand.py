@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from fsi.case.case import Case
+from fsi.integration.state import Step
 from fsi.models import make_model, make_stepper
 from fsi.reduced.distance_model import DistanceModel, PairMemory
 from fsi.reduced.model import ReducedInstant
@@ -18,9 +19,13 @@ MU, H = 0.3, 0.1
 def first_step(case: Case) -> ReducedInstant:
     """The instant at the end of the first step."""
     stepper = make_stepper(case, make_model(case))
-    instant = stepper.advance(stepper.start(case.configuration()).state).instant
-    assert isinstance(instant, ReducedInstant)
-    return instant
+    return reduced_instant(stepper.advance(stepper.start(case.configuration()).state))
+
+
+def reduced_instant(step: Step) -> ReducedInstant:
+    """The instant at the end of a step."""
+    assert isinstance(step.instant, ReducedInstant)
+    return step.instant
 
 
 @pytest.mark.parametrize("scheme", ["distance", "backward-euler"])
@@ -76,6 +81,37 @@ def test_a_disc_above_a_plane_under_a_linear_load_in_a_stream_that_starts() -> N
     assert found.U[0] == pytest.approx([0.0, u1, 0.0], rel=1e-12)
     assert found.force == pytest.approx([kappa * (u1 - v1)], rel=1e-12)
     assert kappa / (MU / D0) > 1.2  # the two gaps differ enough to be told apart
+
+
+def test_held_discs_move_by_the_integral_of_their_velocity_and_push_with_its_mean() -> None:
+    """They need no mass. v = -1 + t/4 to T: -T + T^2/8; at the ends of steps it gave h T/8 more, 0.0025 here.
+
+    The stored gap of the two, G being constant, is that of the places. A free disc behind the first, with
+    m/h u1 + kappa (u1 - v) = m/h u0, feels v = -1 + h/8 in the first step.
+    """
+    m, T, D0 = 2.0, 2.0 * H, 0.4
+    moving = {"times": [0.0, 1.0], "values": [-1.0, -0.75]}
+    bodies = [
+        {
+            "name": f"b{k}",
+            "radius": 1.0,
+            "position": [x, 500.0],
+            "angular_velocity": 0.0,
+            "velocity": [v, 0.0],
+        }
+        for k, (x, v) in enumerate([(0.0, "free"), (2.0 + D0, moving), (4.0 + 3.0 * D0, 0.0)])
+    ]
+    bodies[0] |= {"mass": m, "moment_of_inertia": 1.0}
+    reduced = {"law": "slides", "drag": 0.0, "cutoff": 1.5, "scheme": "distance", "step": H}
+    case = reduced_case(bodies, reduced, fluid={"viscosity": MU})
+    stepper = make_stepper(case, make_model(case))
+    one = stepper.advance(stepper.start(case.configuration()).state)
+    kappa = MU * (1.0 / np.exp(reduced_instant(one).x[0]) - 1.0 / 1.5)  # less that at the cutoff
+    assert one.state.U[0, 0] == pytest.approx(kappa * (-1.0 + H / 8.0) / (m / H + kappa), rel=1e-12)
+    two = stepper.advance(one.state)
+    way = -T + T**2 / 8.0
+    assert two.state.q.centres[1, 0] == pytest.approx(2.0 + D0 + way, rel=1e-14)
+    assert np.exp(reduced_instant(two).x[1]) == pytest.approx(2.0 * D0 - way, rel=1e-14)
 
 
 def test_two_discs_that_collide_off_the_middle_of_their_masses() -> None:

@@ -163,6 +163,7 @@ def test_overlap_is_refused() -> None:
 
 
 BODIES = heap()
+HELD = heap()[0] | {"force": [0.0, 0.0], "velocity": [0.0, 0.0], "angular_velocity": 0.0}
 
 
 @pytest.mark.parametrize(
@@ -174,12 +175,22 @@ BODIES = heap()
         ({"drag": 1.0, "law": "exakt"}, {}, r'^reduced\.law = "exakt": there is no such law'),
         ({"drag": 1.0, "scheme": "distance"}, {}, r"^time\.step: missing"),
         ({"drag": 1.0, "scheme": "distance", "step": 0.1}, {}, r"^bodies\.0\.mass: missing"),
+        (
+            {"drag": 1.0, "scheme": "distance", "step": 0.1},  # the first body needs none
+            {"bodies": [HELD, *heap()[1:]]},
+            r"^bodies\.1\.mass: missing.* not held in all modes",
+        ),
         ({"drag": 1.0, "scheme": "euler"}, {}, r'^time\.scheme = "euler": there is no such scheme'),
         ({"drag": 1.0, "cutof": 0.1}, {}, r"use reduced\.cutoff or drop it"),
         (
             {"drag": 1.0, "scheme": "backward-euler", "step": 0.1},
             {"bodies": heap(**INERTIA)},
-            r'^reduced\.law = "exact"',
+            r'^reduced\.law = "exact".* use time\.scheme = "distance"$',
+        ),
+        (
+            {"drag": 1.0, "scheme": "backward-euler", "step": 0.1},
+            {"bodies": [HELD, *heap()[1:]]},
+            r'^reduced\.law = "exact".* use time\.scheme = "distance", which needs bodies\.1\.mass too$',
         ),
         ({"drag": 1.0}, {"output": {"error_estimates": True}}, r"^output\.error_estimates = true"),
     ],

@@ -27,6 +27,7 @@ from fsi.postprocess.run.run import open_run
 from fsi.run_folder.paraview import read_collection
 from fsi.runs import resume
 from fsi.runs import run as run_case
+from tests.commands import fsi_command
 from tests.exact_model import DiscsBesidePlane, by
 from tests.ranks import python_on
 from tests.reduced_data import INERTIA, heap, reduced_case
@@ -72,6 +73,19 @@ def test_files_for_paraview_hold_bodies_and_contacts(tmp_path: Path) -> None:
     steps = rows(tmp_path / "run" / "steps.csv")
     assert {"pairs", "power", "energy", "invariant", "drift", "log10_stored_gap"} <= set(steps[-1])
     assert max(float(step["invariant"]) for step in steps if step["invariant"]) < 1e-12
+
+
+def test_the_end_of_a_run_tells_of_the_gaps_that_were_stored(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Those of the places are off by the drift, so that the least of them alone says little."""
+    (tmp_path / "case.toml").write_text(case_of("distance").as_toml())
+    assert fsi_command("run", tmp_path / "case.toml", "--output", tmp_path / "run") == 0
+    steps = rows(tmp_path / "run" / "steps.csv")
+    stored = 10.0 ** min(float(row["log10_stored_gap"]) for row in steps)
+    drift = max(float(row["drift"]) for row in steps)
+    assert drift > 0.01
+    assert f"), stored {stored:.4g} (drift {drift:.3g}), " in capsys.readouterr().out
 
 
 def test_the_comparison_of_a_model_with_itself_finds_no_difference() -> None:

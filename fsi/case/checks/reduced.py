@@ -7,6 +7,7 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.case.background_flow import background
 from fsi.case.case import Case
+from fsi.case.checks.time import free_without_mass
 from fsi.case.checks.without_flow import check_estimates
 from fsi.case.domain import MeanDrive
 from fsi.errors import InputError
@@ -30,9 +31,11 @@ def check_reduced(case: Case) -> None:
     laws = {case.reduced.law, case.reduced.wall_law or case.reduced.law}
     literal = case.time is not None and case.time.scheme == "backward-euler"
     if literal and (laws != {"slides"} or case.reduced.cutoff is not None):
+        massless = free_without_mass(case)
+        masses = f", which needs bodies.{massless[0]}.mass too" if massless else ""
         raise InputError(
             f'reduced.law = "{case.reduced.law}": scheme "backward-euler" is for "slides" without a cutoff; '
-            'use time.scheme = "distance"'
+            f'use time.scheme = "distance"{masses}'
         )
 
 

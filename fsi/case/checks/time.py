@@ -83,13 +83,17 @@ def _check_scheme(case: Case) -> None:
         _require_step(case, f'scheme "{scheme.name}"')
     if scheme.inertia == "none" and case.masses() is not None:
         raise InputError(f"{here}: is for bodies without mass; drop it or their masses")
-    if scheme.inertia == "all":
-        for i, body in enumerate(case.bodies):
-            if body.mass is None:
-                raise InputError(
-                    f"bodies.{i}.mass: missing; {here} is for bodies with inertia: give each a mass, or "
-                    "another scheme"
-                )
+    if scheme.inertia == "all" and (massless := free_without_mass(case)):
+        raise InputError(
+            f"bodies.{massless[0]}.mass: missing; {here} is for bodies with inertia: give each that is not "
+            "held in all modes a mass, or another scheme"
+        )
+
+
+def free_without_mass(case: Case) -> list[int]:
+    """The bodies without mass of which any mode is free, so that one would count."""
+    free = ~case.held().all(axis=1)
+    return [i for i, body in enumerate(case.bodies) if free[i] and body.mass is None]
 
 
 def _require_step(case: Case, what: str) -> None:
