@@ -186,7 +186,7 @@ class Solution:
 
     def _flow(self, what: str) -> FlowInstant:
         if not self.case.level.flow:
-            raise InputError(f'model = "{self.case.model}": has no {what}; solve the resolved case')
+            raise InputError(f'model = "{self.case.model}": has no {what}; take "resolved" or "pores"')
         return cast(FlowInstant, self.instant)
 
     def __repr__(self) -> str:

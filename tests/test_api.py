@@ -212,7 +212,7 @@ def test_a_tolerance_holds_the_resistance_as_by_the_command(sections: dict[str, 
 
 def test_a_level_without_a_flow_has_no_resistance() -> None:
     with pytest.raises(
-        fsi.InputError, match=r'^model = "reduced": has no resistance; solve the resolved case$'
+        fsi.InputError, match=r'^model = "reduced": has no resistance; take "resolved" or "pores"$'
     ):
         fsi.solve(reduced()).resistance()
 

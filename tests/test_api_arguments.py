@@ -24,7 +24,7 @@ def test_a_mistake_in_python_is_one_line_too() -> None:
 
 @pytest.mark.parametrize("case", ["case.toml", None, {"name": "disc"}])
 def test_what_is_no_case_is_refused(case: Any, tmp_path: Path) -> None:
-    words = rf"^case: is a {type(case).__name__}; give fsi\.load_case\(PATH\)"
+    words = rf"^case: is of type {type(case).__name__}; give fsi\.load_case\(PATH\)"
     out = tmp_path / "out"
     for use in (fsi.solve, lambda it: fsi.run(it, out), lambda it: fsi.calibrate(it, out)):
         with pytest.raises(fsi.InputError, match=words):
@@ -66,27 +66,35 @@ def test_links_that_lead_in_a_circle_are_no_defect(tmp_path: Path) -> None:
         fsi.load_case(BOX, [f'domain.mesh="{mesh}"'])
 
 
+def test_a_section_that_contains_itself_is_one_line() -> None:
+    """It ended with Python's RecursionError."""
+    fluid: dict[str, Any] = {"viscosity": 1.0}
+    fluid["phases"] = [fluid]
+    with pytest.raises(fsi.InputError, match=r"^case: a section contains itself; give sections as"):
+        reduced(fluid=fluid)
+
+
 API: Any = fsi  # as those use it who check no types
 
 
 @pytest.mark.parametrize(
     ("ask", "words"),
     [
-        (lambda _: API.load_case(None), "path: is a NoneType"),
-        (lambda _: API.load_case(3), "path: is a int"),
-        (lambda _: API.load_case(b"x"), "path: is a bytes"),
+        (lambda _: API.load_case(None), "path: is of type NoneType"),
+        (lambda _: API.load_case(3), "path: is of type int"),
+        (lambda _: API.load_case(b"x"), "path: is of type bytes"),
         (lambda _: API.load_case(BOX, None), "overrides = None"),
-        (lambda _: API.open_run(None), "run: is a NoneType"),
-        (lambda _: API.resume(None), "folder: is a NoneType"),
-        (lambda case: API.run(case, None), "folder: is a NoneType"),
-        (lambda case: API.run(case, "out", 3), "callback: is a int"),
-        (lambda case: API.solve(case).write(None), "folder: is a NoneType"),
+        (lambda _: API.open_run(None), "run: is of type NoneType"),
+        (lambda _: API.resume(None), "folder: is of type NoneType"),
+        (lambda case: API.run(case, None), "folder: is of type NoneType"),
+        (lambda case: API.run(case, "out", 3), "callback: is of type int"),
+        (lambda case: API.solve(case).write(None), "folder: is of type NoneType"),
         (lambda _: API.load_case("a\0b"), r"path = 'a\\x00b': has a zero byte"),
         (lambda _: API.resume("a\0b"), r"folder = 'a\\x00b': has a zero byte"),
         (lambda case: API.run(case, "a\0b"), r"folder = 'a\\x00b': has a zero byte"),
         (lambda case: API.solve(case).write("a\0b"), r"folder = 'a\\x00b': has a zero byte"),
-        (lambda case: API.calibrate(case, "out", "2"), "processes: is a str"),
-        (lambda case: API.calibrate(case, "out", 1.5), "processes: is a float"),
+        (lambda case: API.calibrate(case, "out", "2"), "processes: is of type str"),
+        (lambda case: API.calibrate(case, "out", 1.5), "processes: is of type float"),
     ],
 )
 def test_what_is_no_argument_is_refused_in_one_line(

@@ -14,7 +14,7 @@ from fsi.parallel import require_same
 def require_type(what: str, given: object, remedy: str, *, right: bool) -> None:
     """Raise InputError, which names the type of what is given, unless it is right."""
     if not right:
-        raise InputError(f"{what}: is a {type(given).__name__}; {remedy}")
+        raise InputError(f"{what}: is of type {type(given).__name__}; {remedy}")
 
 
 def require_case(case: Case) -> None:
@@ -40,17 +40,27 @@ def same_folder(folder: Path | str) -> Path:
 
 
 def lists(value: Any) -> Any:
-    """The same data with lists and numbers of Python for arrays of any kind, and texts for paths."""
+    """The same data with lists and numbers of Python for arrays of any kind, and texts for paths.
+
+    Raises InputError: they contain themselves.
+    """
+    try:
+        return _lists(value)
+    except RecursionError:
+        raise InputError("case: a section contains itself; give sections as in a case file") from None
+
+
+def _lists(value: Any) -> Any:
     match value:
         case dict():
-            return {key: lists(item) for key, item in value.items()}
+            return {key: _lists(item) for key, item in value.items()}
         case list() | tuple():
-            return [lists(item) for item in value]
+            return [_lists(item) for item in value]
         case PathLike():
             return str(value)
         case np.ndarray() | np.generic():
-            return lists(value.tolist()) if value.dtype == object else value.tolist()
+            return _lists(value.tolist()) if value.dtype == object else value.tolist()
         case _ if hasattr(value, "__array__"):  # a column of pandas, a masked array
-            return lists(np.asarray(value))
+            return _lists(np.asarray(value))
         case _:
             return value

@@ -60,7 +60,7 @@ def case_data(
         raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
     listed = isinstance(overrides, Sequence) and not isinstance(overrides, str)
     if not listed or not all(isinstance(text, str) for text in overrides):
-        raise InputError(f'overrides = {overrides!r}: give a list of texts, ["fluid.viscosity=2"]')
+        raise InputError(f'overrides = {overrides!r}: give a list of texts, ["time.end=20"]')
     for text in overrides:
         override(data, text)
     for key, value in (values or {}).items():

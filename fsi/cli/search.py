@@ -45,11 +45,13 @@ def search(
     from fsi.case.load import case_data, saved_data
     from fsi.report.progress import counting
     from fsi.report.studies import print_search
+    from fsi.studies.keys import require_apart
     from fsi.studies.search import Search, most_trials
 
     if output is not None:
         require_writable(output)
     key, low, high = _interval(vary)
+    require_apart([key], overrides or ())
     value, tolerance = _digits(target)
 
     def data(x: float) -> dict[str, Any]:
@@ -61,7 +63,9 @@ def search(
             show(len(wanted.trials), most_trials(low, high))
     found = wanted.found()
     if output is not None:
-        parallel.on_root(lambda: saved_data(data(found.value), output))
+        # Expected numbers are those of the case as it was.
+        kept = {section: values for section, values in data(found.value).items() if section != "expected"}
+        parallel.on_root(lambda: saved_data(kept, output))
     if not parallel.is_root():
         return
     trials = [[trial.value, trial.quantity] for trial in wanted.trials]

@@ -11,6 +11,10 @@ from fsi.report.console import table
 from fsi.studies.sweep import SEED, Average, SweepPlan, SweepRow, value_text
 
 TABLE, RUNS = "sweep.csv", "runs.csv"
+OF_MOTION = (
+    "±: the error between steps; it lacks those of steps and elements, but for times at gaps with "
+    "output.error_estimates = true"
+)
 _NUMBERS = ("mean", "standard_error", "deviation", "count", "failed", "error")
 
 
@@ -29,7 +33,7 @@ def print_averages(console: Console, plan: SweepPlan, found: Sequence[Average]) 
     if plan.averaged:
         console.print("±: the standard error of the mean over seeds", highlight=False)
     elif any(np.isfinite(one.error) for one in found):
-        console.print("±: the estimated error of the value", highlight=False)
+        console.print(OF_MOTION if plan.motion else "±: the estimated error of the value", highlight=False)
 
 
 def write_tables(plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence[Average]) -> None:

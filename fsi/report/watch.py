@@ -4,13 +4,14 @@ import time
 from collections.abc import Iterator, Mapping
 from math import inf, nan
 from pathlib import Path
+from zlib import crc32
 
 from rich.console import Console
 
 from fsi.errors import InputError
 from fsi.files import content
 from fsi.run_folder.checkpoint import read_checkpoint
-from fsi.run_folder.kept import REMEDY, STATE, STEPS, disk
+from fsi.run_folder.kept import REMEDY, STATE, STEPS, disk, require_as_begun, require_commit_of
 from fsi.run_folder.tables import STEP_COLUMNS
 
 PAUSE = 1.0  # seconds between two looks
@@ -19,8 +20,9 @@ PAUSE = 1.0  # seconds between two looks
 def follow(console: Console, folder: Path, end: float, contact_gap: float | None, *, once: bool) -> None:
     """Print a line for each step up to the end of time, or to contact; once: for those that are there.
 
-    Raises InputError as `complete_rows`.
+    Raises InputError as `complete_rows`, and where someone has changed the case.
     """
+    require_as_begun(folder)
     spent = 0.0
     for rows in arrivals(folder, end, contact_gap, once=once):
         for row in rows:
@@ -50,19 +52,35 @@ def arrivals(
 def complete_rows(folder: Path) -> list[dict[str, float]]:
     """The rows of steps.csv up to its last line end: what comes after is being written.
 
-    Raises InputError: they are fewer than the run has committed, or not as it has written them.
+    Raises InputError: they are fewer than the run has committed, not as it has written them, or of another
+    run.
     """
-    state, table = folder / STATE, folder / STEPS
+    table = folder / STEPS
     with disk(folder, InputError, REMEDY):
         # The state first: the run commits what the table has already.
-        least = read_checkpoint(state).lengths.get(STEPS, 0) if state.is_file() else 0
+        least, checksum = _committed(folder)
         text = content(table, REMEDY) if table.is_file() else b""
         if len(text) < least:
             raise ValueError(f"{STEPS}: {least - len(text)} bytes are missing at its end")
         try:
-            return _rows(text[: text.rfind(b"\n") + 1].decode())
+            rows = _rows(text[: text.rfind(b"\n") + 1].decode())
         except ValueError as error:
             raise ValueError(f"{STEPS}: {error}") from None
+        if checksum not in (None, crc32(text[:least])):
+            raise ValueError(f"{STEPS}: its rows are others than were written")
+        return rows
+
+
+def _committed(folder: Path) -> tuple[int, int | None]:
+    """How many bytes of steps.csv a run has committed, and their CRC-32, which older runs do not keep.
+
+    Raises InputError, ValueError: the commit is of another run, or damaged.
+    """
+    if not (folder / STATE).is_file():
+        return 0, None
+    checkpoint = read_checkpoint(folder / STATE)
+    require_commit_of(folder, checkpoint)
+    return checkpoint.lengths.get(STEPS, 0), checkpoint.sums.get(STEPS)
 
 
 def _rows(text: str) -> list[dict[str, float]]:

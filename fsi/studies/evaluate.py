@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import fsi.parallel as parallel
 from fsi.arrays import Array
@@ -146,13 +147,22 @@ def _moved(case: Case, folder: Path, quantity: str) -> FoundValue:
         return FoundValue(*mean_over_time(table["t"], table[column], case.kinks()))
     if quantity.startswith(TIME_AT_GAP):
         table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
-        return FoundValue(*time_at(gap_of(quantity), table["t"], table["smallest_gap"], case.kinks()))
+        at, error = time_at(gap_of(quantity), table["t"], table["smallest_gap"], case.kinks())
+        return FoundValue(at, error + _strayed(table, at))
     body, mode = component(case, quantity)
     kind = quantity.split(".")[1]
     names = {"position": PLACES, "force": LOADS, "torque": LOADS}.get(kind, MODES)[case.dimension]
     with (folder / BODIES).open(encoding="utf-8", newline="") as file:
         last = [row for row in csv.DictReader(file) if row["body"] == case.names[body]][-1]
     return FoundValue(float(last[names[mode]]) * (-1.0 if names is LOADS[case.dimension] else 1.0))
+
+
+def _strayed(steps: NDArray[np.void], t: float) -> float:
+    """The largest `err_t` of the step to t, the error of the time at which the run has its gap; 0 without."""
+    if "err_t" not in (steps.dtype.names or ()):
+        return 0.0
+    after = int(np.searchsorted(steps["t"], t))
+    return float(steps["err_t"][max(after - 1, 0) : after + 1].max())
 
 
 def _require_numbers(quantity: str, t: Array, values: Array) -> None:

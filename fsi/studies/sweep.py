@@ -18,6 +18,7 @@ from fsi.case.load import case_data, parse_case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.studies.evaluate import FoundValue, require_quantity
+from fsi.studies.keys import require_apart
 from fsi.studies.member import Request
 
 SEED = "arrangement.seed"
@@ -75,8 +76,10 @@ class SweepPlan:
     def requests(self) -> list[Request]:
         """What is run, in the order of the tables: all seeds of the first point, and on.
 
-        Raises InputError: the case is not sound for the first seed of some point, or lacks a quantity.
+        Raises InputError: a key has its values twice, or the case is not sound for the first seed of some
+        point, or lacks a quantity.
         """
+        self._require_apart()
         found = [self._request(values) for point in self.points() for values in self._seeded(point)]
         for request in found[:: max(self.seeds, 1)]:
             try:
@@ -90,6 +93,15 @@ class SweepPlan:
             for quantity in self.quantities:
                 require_quantity(case, quantity, moving=self.motion)
         return found
+
+    def _require_apart(self) -> None:
+        """Raise InputError where a key that varies is changed from elsewhere too."""
+        names = [key.name for key in self.keys]
+        if self.seeds and SEED in names:
+            raise InputError(f"--vary {SEED}: --seeds {self.seeds} gives its values too; drop one of them")
+        require_apart(names, self.overrides)
+        if self.seeds:
+            require_apart([SEED], self.overrides)
 
     def _seeded(self, point: Mapping[str, Any]) -> list[dict[str, Any]]:
         return [{**point, SEED: 1 + k} for k in range(self.seeds)] if self.seeds else [dict(point)]

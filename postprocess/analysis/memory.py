@@ -41,8 +41,8 @@ class ContactMemories:
 def read_memories(run: Run) -> ContactMemories:
     """The contacts of a run; of one that closes again, the last time. Raises InputError."""
     if not (run.path / "contacts.csv").is_file():
-        missing = f"{run.path / 'contacts.csv'}: No such file or directory"
-        raise InputError(f"{missing}; give the folder of a gluey run")
+        remedy = f'give the folder of a run with model = "gluey", this has "{run.case.model}"'
+        raise InputError(f"{run.path / 'contacts.csv'}: is not there; {remedy}")
     t, rows = np.unique(run.bodies["t"]), run.table("contacts")
     rows = rows[rows["gamma"] < 0.0].assign(at=lambda rows: np.searchsorted(t, rows["t"]))
     if rows.empty:

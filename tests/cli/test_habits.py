@@ -100,6 +100,7 @@ def test_a_run_that_has_begun_no_table_is_waited_for(tmp_path: Path) -> None:
         (lambda whole: whole.replace(b"0.25", b"\xb0.25", 1), "'utf-8' codec can't decode byte 0xb0"),
         (lambda whole: whole.replace(b"0.25", b"a.25", 1), "could not convert string to float: 'a.25'"),
         (lambda whole: whole.replace(b"0.25", b"0,25", 1), "rows are not of one width"),
+        (lambda whole: whole.replace(b"0.25", b"0.26", 1), "its rows are others than were written"),
         (lambda whole: whole.replace(b",t,", b",u,", 1), "does not begin with the columns step, t, h,"),
     ],
 )  # fmt: skip
@@ -114,6 +115,28 @@ def test_a_damaged_run_is_not_watched(
     assert fsi_command("watch", folder, "--once") == 2
     told = capfd.readouterr()
     assert f"a file is damaged (steps.csv: {words}" in told.err
+    assert (told.err.count("\n"), told.out) == (1, "")
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (["state.npz", "steps.csv"], "state.npz is of another one than provenance.json"),
+        (["case.toml"], "this is not the one it began with: time.step = 0.25 -> 0.5"),
+    ],
+)
+def test_a_folder_of_two_runs_is_not_watched(
+    names: list[str], words: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The steps of the one were printed with the end of the other."""
+    folder, other = tmp_path / "run", tmp_path / "other"
+    assert fsi_command("run", *DISCS, "-o", folder, "--quiet") == 0
+    assert fsi_command("run", *DISCS, "--set", "time.step=0.5", "-o", other, "--quiet") == 0
+    for name in names:
+        (folder / name).write_bytes((other / name).read_bytes())
+    assert fsi_command("watch", folder, "--once") == 2
+    told = capfd.readouterr()
+    assert words in told.err
     assert (told.err.count("\n"), told.out) == (1, "")
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import csv
+import math
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import SolveError
 from fsi.studies.evaluate import of_motion
@@ -77,6 +80,29 @@ def test_the_time_at_a_gap_of_a_run_knows_its_kinks(tmp_path: Path) -> None:
     value, error = found["time at gap 0.21"].value, found["time at gap 0.21"].error
     assert error is not None
     assert abs(value - 0.9875) < min(error, 1e-4)
+
+
+def test_the_time_at_a_gap_has_what_the_run_has_strayed_by(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A gap e^-t that a run has 1 % late is 0.1 at 1.01 ln 10: 0.023 late, where splines are exact.
+
+    The steps before and after are 0.0223 and 0.0248 late; without these the bar is a rounding.
+    """
+    body = '[[bodies]]\nname = "a"\nradius = 1.0\nposition = [0.0, 2.0]\n'
+    steps = [f"{t},{math.exp(-t / 1.01)},{t / 101.0}" for t in np.arange(0.0, 5.0, 0.25)]
+
+    def run(_: Case, folder: Path) -> None:
+        folder.mkdir()
+        (folder / "steps.csv").write_text("\n".join(["t,smallest_gap,err_t", *steps]) + "\n")
+
+    monkeypatch.setattr("fsi.studies.evaluate.run", run)
+    case = parse_case(tomllib.loads(ONE + body + "[time]\nend = 5.0\n"))
+    found = of_motion(case, tmp_path / "run", ["time at gap 0.1"])["time at gap 0.1"]
+    late = found.value - math.log(10.0)
+    assert late == pytest.approx(0.01 * math.log(10.0), rel=1e-9)
+    assert found.error is not None
+    assert late < found.error < 0.03
 
 
 @pytest.mark.parametrize("mass", [1e-6, 1e-4, 1e-2, 1.0])

@@ -81,13 +81,15 @@ def test_a_quantity_is_that_of_expected_rows() -> None:
 
 
 def test_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The case that it writes has the value; 6.54 of the slides, with pores."""
+    """The case that it writes has the value, and not what is expected of the other; 6.54, with pores."""
     found = tmp_path / "found.toml"
     columns = [CASES / "slides" / "columns.toml", "--set", "model=pores", *QUANTITY, "--json", "-o", found]
     code = fsi_command("search", *columns, "--target", "6.54", "--vary", "arrangement.angle=93.0,96.0")
     assert code == 0
     data = json.loads(capsys.readouterr().out)
     assert data["quantity"] == pytest.approx(6.54, abs=5e-3)
+    assert load_case(CASES / "slides" / "columns.toml").expected  # 6.32 at the angle that stands there
+    assert load_case(found).expected == ()
     assert trial_of(load_case(found), 0.0, QUANTITY[1]).quantity == pytest.approx(data["quantity"], rel=1e-12)
 
 
@@ -107,6 +109,14 @@ def test_mistakes_are_one_line(vary: str, target: str, words: str, capfd: pytest
     assert (code, said.out) == (2, "")
     assert words in said.err
     assert said.err.count("\n") == 1
+
+
+def test_a_change_of_the_key_that_is_sought_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
+    """It was undone without a word."""
+    key, given = "arrangement.gap=0.02,0.1", ["--target", "2", "--set", "arrangement.gap=0.5"]
+    assert fsi_command("search", ROWS, *QUANTITY, "--vary", key, *given) == 2
+    told = "--set arrangement.gap=0.5: is lost, as arrangement.gap varies; drop one of them"
+    assert told in capfd.readouterr().err
 
 
 def test_the_four_viscosities_of_the_slides(tmp_path: Path) -> None:

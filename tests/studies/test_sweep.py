@@ -10,12 +10,15 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from fsi.case.load import toml_values
+from fsi.studies.keys import require_apart
 from fsi.studies.member import RESULT
 from fsi.studies.sweep import SEED
 from fsi.workers import launch, pools
 from tests.commands import fsi_command
 from tests.small_run import rows
 from tests.studies.small_sweep import FRACTION, QUANTITY, VISCOSITY, swept
+
+TOP = "domain.walls.top"
 
 
 def test_means_are_those_of_the_runs(case: Path, tmp_path: Path, here: list[str]) -> None:
@@ -126,6 +129,21 @@ def test_runs_in_time_are_averaged(case: Path, tmp_path: Path, here: list[str]) 
     ("words", "said"),
     [
         (["--vary", f"{FRACTION}=0.2,0.2"], "has a value twice"),
+        (["--vary", "reduced.drag=1,2", "--vary", "reduced.drag=3"], "--vary reduced.drag: is given twice;"),
+        (["--vary", f"{SEED}=1,2", "--seeds", "2"], f"--vary {SEED}: --seeds 2 gives its values too; drop"),
+        (
+            ["--vary", f"{TOP}=[1.0, 0.0],[2.0, 0.0]", "--vary", f"{TOP}.0=1.0,2.0"],
+            f"--vary {TOP}.0: is a part of {TOP}, which varies too; drop one of them",
+        ),
+        (
+            ["--vary", "reduced.drag=1,2", "--set", "reduced.drag=3"],
+            "--set reduced.drag=3: is lost, as reduced.drag varies; drop one of them",
+        ),
+        (
+            ["--vary", f"{TOP}=[1.0, 0.0],[2.0, 0.0]", "--set", f"{TOP}.0=3.0"],
+            f"--set {TOP}.0=3.0: is lost, as {TOP} varies; drop one of them",
+        ),
+        (["--seeds", "2", "--set", f"{SEED}=3"], f"--set {SEED}=3: is lost, as {SEED} varies; drop one"),
         (["--vary", f"{FRACTION}=0.2,,0.3"], "no key and values; write KEY=A,B,C"),
         (["--vary", "0.2"], "no key and values"),
         (["--vary", "arrangement.fraction=0.2"], "arrangement.fraction = 0.2: unknown key"),
@@ -158,6 +176,10 @@ def test_mistakes_are_one_line(
     assert said in told.err
     assert (told.err.count("\n"), told.out) == (1, "")
     assert not (tmp_path / "none").exists()
+
+
+def test_keys_beside_each_other_and_sections_around_them_are_apart() -> None:
+    require_apart(["time.end", "time.end_gap", "bodies.1.radius", "bodies.10.radius"], ["time={end=2.0}"])
 
 
 @pytest.mark.usefixtures("undrawn")

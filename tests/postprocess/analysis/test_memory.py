@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from fsi.case.load import load_case
+from fsi.errors import InputError
 from fsi.postprocess.analysis.memory import (
     memory_data,
     memory_table,
@@ -47,3 +49,11 @@ def test_of_a_contact_that_closes_again_the_last_time_counts(tmp_path: Path) -> 
     (row,) = memory.contacts[["stored", "reached", "released", "lag"]].to_numpy().tolist()
     assert row == [2.0, 4.0, 6.0, 2.0]
     np.testing.assert_array_equal(memory.closed, [0, 1, 1, 0, 1, 1, 0])
+
+
+def test_a_run_without_contacts_is_told_which_model_has_them(tmp_path: Path) -> None:
+    case = load_case(CASES / "settling_disc.toml")
+    (tmp_path / "case.toml").write_text(case.as_toml())
+    told = r'contacts\.csv: is not there; give .* a run with model = "gluey", this has "resolved"$'
+    with pytest.raises(InputError, match=told):
+        read_memories(open_run(tmp_path))

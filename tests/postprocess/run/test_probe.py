@@ -51,7 +51,7 @@ def test_one_point_or_none(tmp_path: Path) -> None:
 
 def test_a_path_is_no_run(tmp_path: Path) -> None:
     folder: Any = str(write_spatial_run(tmp_path))
-    with pytest.raises(InputError, match=r"^run: is a str; give fsi\.open_run\(PATH\)$"):
+    with pytest.raises(InputError, match=r"^run: is of type str; give fsi\.open_run\(PATH\)$"):
         probe(folder, [0.5, 0.0, 0.0])
 
 
