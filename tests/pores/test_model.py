@@ -92,7 +92,7 @@ def test_other_modes_tell_the_error() -> None:
     every = [0, 1, 2, 4, 6, 8, 10, 12, 16]
     assert [finer(modes) for modes in every] == [*every[1:], None]
     assert all(reference_modes(modes) > modes for modes in every[:-1])
-    assert (reference_modes(16), bar_factor(16), bar_factor(1)) == (12, 1.0, 1.5)
+    assert (reference_modes(16), bar_factor(16), bar_factor(1)) == (12, 2.0, 1.5)
 
 
 def test_loads_of_a_solution_are_those_that_were_given() -> None:
