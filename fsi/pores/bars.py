@@ -5,8 +5,9 @@ times a factor bounds the error: what those miss that tell it is a small part. W
 known to the part CHANCE of the largest difference. In the sixty packings of `bench.pores` no velocity is off
 by more than its bar. Told by the next modes but one some are, by twice as much (tests/pores/test_bars.py):
 many modes come in pairs, and narrow necks gain little from some. With the most modes the difference is some
-25 times the error in packings, but between bodies far apart the last modes take off a half of it: in hexagonal
-arrays of a twentieth of the area (tests/pores/test_bars.py) 12 modes need a factor of 2.8, 16 one of 1.8.
+25 times the error in packings, but between bodies far apart the last modes take off a half of it: in
+hexagonal arrays of a twentieth of the area (tests/pores/test_bars.py) 12 modes need a factor of 2.8, 16 one
+of 1.8.
 """
 
 import numpy as np
