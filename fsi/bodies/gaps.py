@@ -98,8 +98,7 @@ def wall_gaps(q: Configuration, container: Container) -> Array:
     if q.shaped:
         gaps = [[foot.gap for foot in feet_on_walls(q, i, container)] for i in range(len(q))]
         return np.array(gaps).reshape(len(q), len(container.walls))
-    gaps_of_discs: Array = container.distances(q.centres) - q.radii[:, None]
-    return gaps_of_discs
+    return np.asarray(container.distances(q.centres) - q.radii[:, None])
 
 
 def foot_between(q: Configuration, i: int, j: int, away: Array | float = 0.0) -> Foot:
@@ -120,9 +119,8 @@ def feet_on_walls(q: Configuration, i: int, container: Container) -> list[Foot]:
 def find_gaps(q: Configuration, container: Container, reach: float | None = None) -> Gaps:
     """All pairs of bodies whose gap is at most `reach` (default: the largest diameter), and all wall gaps.
 
-    What is narrowest may be farther: for that there are `nearest_gaps` and `smallest_of_each`.
-
-    In a periodic container also pairs with images, none of them farther than the container is large.
+    What is narrowest may be farther: for that there are `nearest_gaps` and `smallest_of_each`. In a periodic
+    container also pairs with images, none of them farther than the container is large.
     """
     largest = float(q.radii.max(initial=0.0))
     reach = 2.0 * largest if reach is None else reach
