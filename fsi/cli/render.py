@@ -9,7 +9,7 @@ from fsi.errors import InputError
 from fsi.machine.resources import require_memory
 from fsi.postprocess.render.fields import field_names
 
-_LARGEST = 1e30  # end of colours: those of VTK are single numbers
+_LARGEST = 1e30  # end of colours, and one over their least span: those of VTK are single numbers
 _PIXEL_BYTES = 400.0  # of a pixel of a panel: two panels, drawn at a multiple of their size, and copies
 EXAMPLE = "Example: fsi render runs/settling_disc --field dissipation --gap disc,plane -o gap.mp4"
 
@@ -80,4 +80,8 @@ def _ends(span: str) -> tuple[float, float]:
         raise InputError(f"--range {span}: give the lower end first")
     if max(-low, high) > _LARGEST:
         raise InputError(f"--range {span}: colours end at {_LARGEST:g}; give smaller numbers")
+    if high - low < 1.0 / _LARGEST:
+        raise InputError(
+            f"--range {span}: colours span {1.0 / _LARGEST:g} or more; give ends that are farther apart"
+        )
     return low, high

@@ -256,6 +256,7 @@ def test_a_run_needs_a_time_and_a_folder_it_can_write(
         (("probe", "RUN", "--line", "0,0,1"), "there is no case.toml"),
         (("probe", "RUN"), "give exactly one of --line, --plane and --points"),
         (("render", "RUN", "--range", "2,1"), "--range 2,1: give the lower end first"),
+        (("render", "RUN", "--range", "0,1e-60"), "--range 0,1e-60: colours span 1e-30 or more"),
         (("render", "RUN", "--step", "1", "--time", "2"), "give --time or --step, not both"),
         (("plot", "RUN"), "there is no case.toml"),
         (("report", "RUN"), "there is no case.toml"),
