@@ -42,8 +42,9 @@ def above(alpha: float, gap: float) -> list[str]:
 
 def speed(alpha: float, gap: float) -> float:
     """With which it settles there."""
-    case = fsi.load_case(CASE, above(alpha, gap))
-    return -float(make_model(case)(case.configuration(), 0.0).U[0, 1])
+    case = fsi.load_case(CASE, above(alpha, 1.0))
+    q = case.configuration().moved(np.array([[0.0, gap - 1.0, 0.0]]))
+    return -float(make_model(case)(q, 0.0).U[0, 1])
 
 
 def settled(alpha: float, folder: Path) -> tuple[np.ndarray, np.ndarray]:

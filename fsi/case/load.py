@@ -208,7 +208,7 @@ def _enter(here: Any, part: str, key: str, text: str) -> Any:
 
 
 def _index(items: list[Any], part: str, key: str, text: str) -> int:
-    if part.isdecimal() and int(part) < len(items):
+    if part in map(str, range(len(items))):  # "01" would be a second name of an entry
         return int(part)
     raise InputError(f"--set {text}: no {key}; the list has the entries 0 to {len(items) - 1}")
 

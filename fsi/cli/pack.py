@@ -69,7 +69,8 @@ def pack(
     """Arrange bodies at an area fraction: at random, in arrays, rows, chains, columns, or crystals.
 
     The file is one that a case takes by `bodies_from`; it is drawn as well. The cell begins at the origin,
-    and the area fraction determines its size. Random is the equilibrium fluid of hard bodies.
+    and the area fraction determines its size. Random is the fluid of hard bodies;
+    where it is dense, above 0.45, up to a fifth more pairs are near contact than in equilibrium.
     """
     from fsi.arrangements.request import wanted
 

@@ -12,8 +12,8 @@ from fsi.studies.sweep import SEED, Average, SweepPlan, SweepRow, value_text
 
 TABLE, RUNS = "sweep.csv", "runs.csv"
 OF_MOTION = (
-    "±: the error between steps; it lacks those of steps and elements, but for times at gaps with "
-    "output.error_estimates = true"
+    "±: the error between steps; it lacks those of steps and elements, but for times at gaps of runs with "
+    "error estimates"
 )
 _NUMBERS = ("mean", "standard_error", "deviation", "count", "failed", "error")
 

@@ -170,6 +170,7 @@ def test_overrides(
         ("fluid.viscosity=thick", 'fluid.viscosity = "thick": must be a valid number'),
         ("fluid.viscosity.x=1", "fluid.viscosity = 1.0 is no section; set fluid.viscosity itself"),
         ("bodies.2.radius=1", "no bodies.2; the list has the entries 0 to 1"),
+        ("bodies.01.radius=1", "no bodies.01; the list has the entries 0 to 1"),
         ("bodies.disc.radius=1", "no bodies.disc; the list has the entries 0 to 1"),
     ],
 )
