@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from math import pi
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from fsi.arrangements import packing
 from fsi.arrangements.arrangement import Arrangement, Wanted
 from fsi.arrangements.packing import proposal, random_arrangement
+from fsi.arrays import Array
 
 PHI, NUMBER = 0.45, 300
 
@@ -24,8 +27,8 @@ def test_every_sphere_tries_as_often_as_is_said() -> None:
     """Not so many moves, of however few: 1000, once, were 25 tries of each of these spheres."""
     tries = []
 
-    def counted(*of: object) -> object:
-        moved, trying = proposal(*of)  # type: ignore[arg-type]
+    def counted(*of: Any) -> tuple[Array, NDArray[np.bool_]]:
+        moved, trying = proposal(*of)
         tries.append(np.count_nonzero(trying))
         return moved, trying
 
