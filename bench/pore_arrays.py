@@ -15,8 +15,8 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import build
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.resolution import Resolution
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import surfaces_of

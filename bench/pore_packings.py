@@ -15,9 +15,9 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.bodies.gaps import find_gaps
 from fsi.meshes.build import build
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.resolution import Resolution
 from fsi.pores.bars import CHANCE, bar_factor, reference_modes
 from fsi.pores.complement import LeastStresses

@@ -11,9 +11,10 @@ import numpy as np
 from fsi.arrangements.arrangement import CELLS, Wanted
 from fsi.arrangements.kinds import arrange
 from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.round import HalfPlane, Round
 
 type Random = np.random.Generator
 type Data = dict[str, Any]

@@ -29,8 +29,8 @@ from bench.step import PHASES, forget_peak, peak_memory
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem

@@ -9,8 +9,9 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary, Formulation, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from fsi.bodies.configuration import Configuration, Motion
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary, Formulation
 from fsi.stokes.solution import StokesSolution

@@ -11,7 +11,7 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import SolveError
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.resolution import Resolution
 from fsi.models import make_evolution
 from fsi.postprocess.analysis.strain import accumulated_strain

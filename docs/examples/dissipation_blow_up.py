@@ -22,7 +22,7 @@ import numpy as np
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, Motion
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.cell import Cell
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import surfaces_of
 from fsi.pores.system import PoreSystem

@@ -6,7 +6,7 @@ the plane.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args, override
 
 import numpy as np
 import tomli_w
@@ -18,13 +18,12 @@ from fsi.bodies.configuration import MODES, Configuration, Motion, volumes
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.bodies.opened import opened
 from fsi.case.body import FREE, Body
-from fsi.case.domain import Walled
-from fsi.case.domains import Domain
+from fsi.case.domains.domain import Domain, Walled
 from fsi.case.force_laws.law import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
 from fsi.case.reduced import Reduced
-from fsi.case.section import Geometry, Section, Text, dimension_of
+from fsi.case.section import Geometry, Late, Section, Text, dimension_of
 from fsi.case.sections import (
     Calibration,
     Discretisation,
@@ -81,7 +80,7 @@ class Case(Section):
     '"resolved", "pores", "reduced", "gluey" or "macroscopic": the level'
     fluid: Fluid = Field(default_factory=lambda: Fluid(viscosity=1.0))
     """a section [fluid] with its viscosity; 1 in gluey and macroscopic cases if not given, others need it"""
-    domain: Domain = Field(description=f"a section [domain] of shape {Walled.registry.choices}")
+    domain: Domain
     bodies: tuple[Body, ...] = ()
     """one section [[bodies]] for each body"""
     # The next four are None in a sound case: what they give is in `bodies`, so that a case stands alone.
@@ -97,28 +96,34 @@ class Case(Section):
     """one section [[forces]] for gravity and each law of force between bodies"""
     discretisation: Discretisation
     """a section [discretisation]"""
-    pores: PoreResolution = Field(default_factory=PoreResolution)
+    pores: Annotated[PoreResolution, Late()] = Field(default_factory=PoreResolution.model_construct)
     """a section [pores]"""
-    reduced: Reduced = Field(default_factory=Reduced)
+    reduced: Annotated[Reduced, Late()] = Field(default_factory=Reduced.model_construct)
     """a section [reduced]"""
-    lubrication: Lubrication = Field(default_factory=Lubrication)
+    lubrication: Annotated[Lubrication, Late()] = Field(default_factory=Lubrication.model_construct)
     """a section [lubrication]"""
-    gluey: Gluey = Field(default_factory=Gluey)
+    gluey: Annotated[Gluey, Late()] = Field(default_factory=Gluey.model_construct)
     """a section [gluey]"""
-    macroscopic: Macroscopic = Field(default_factory=Macroscopic)
+    macroscopic: Annotated[Macroscopic, Late()] = Field(default_factory=Macroscopic.model_construct)
     """a section [macroscopic]"""
-    limit: LimitStudy | None = None
+    limit: Annotated[LimitStudy, Late()] | None = None
     """a section [limit], for `fsi limit`"""
-    time: Time | None = None
+    time: Annotated[Time, Late()] | None = None
     """a section [time] with its end"""
-    output: Output = Field(default_factory=Output)
+    output: Annotated[Output, Late()] = Field(default_factory=Output.model_construct)
     """a section [output]"""
-    expected: Annotated[tuple[Expected, ...], BeforeValidator(_rows)] = ()
+    expected: Annotated[tuple[Annotated[Expected, Late()], ...], BeforeValidator(_rows)] = ()
     """one section [[expected]] for each number"""
-    sweep: Sweep | None = None
+    sweep: Annotated[Sweep, Late()] | None = None
     """a section [sweep] with key and values, for `fsi validate`"""
-    calibration: Calibration | None = None
+    calibration: Annotated[Calibration, Late()] | None = None
     """a section [calibration] with pair and range, for `fsi calibrate`"""
+
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        shapes = "a section [domain] of shape "
+        return shapes + Walled.registry.choices if key == "domain" else super().describe(key)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -198,8 +203,7 @@ class Case(Section):
             return placed
         if self.dimension == 3:
             return replace(placed, ellipsoids=tuple(body.ellipsoid for body in self.bodies))
-        axial = self.axisymmetric
-        outlines = tuple(body.revolved if axial else body.outline for body in self.bodies)
+        outlines = tuple(body.revolved if self.axisymmetric else body.outline for body in self.bodies)
         return replace(placed, outlines=outlines)
 
     def meshed_at(self, q: Configuration, t: float) -> Configuration:
@@ -227,10 +231,8 @@ class Case(Section):
         """The motion at time t with the `forces` at q on its free components."""
         if not self.forces:
             return motion
-        F = np.zeros_like(motion.F)
-        F[:, : self.dimension] = external_forces(
-            self.forces, q, self.container().at(t, q.strain), self.bulk(), t
-        )
+        F, container = np.zeros_like(motion.F), self.container().at(t, q.strain)
+        F[:, : self.dimension] = external_forces(self.forces, q, container, self.bulk(), t)
         return Motion(motion.held, motion.U, motion.F + np.where(motion.held, 0.0, F))
 
     def interaction_moment(self, q: Configuration, t: float) -> Array:
@@ -245,9 +247,8 @@ class Case(Section):
 
     def initial_velocity(self) -> Array:
         """The velocity of each mode at time 0, (N, M): prescribed, that of a body with inertia, or 0."""
-        started = self._modes(lambda body: body.initial_motion)
         motion = self.motion(0.0)
-        return np.where(motion.held, motion.U, started)
+        return np.where(motion.held, motion.U, self._modes(lambda body: body.initial_motion))
 
     def _modes(self, values: Callable[[Body], Sequence[float]]) -> Array:
         return np.array([values(body) for body in self.bodies], dtype=float).reshape(-1, len(self.modes))
@@ -290,10 +291,8 @@ class Case(Section):
 
     def as_data(self) -> dict[str, Any]:
         """The case as nested dictionaries with every default filled in; `parse_case` gives an equal Case."""
-        data = self.model_dump(exclude_none=True)
-        if "fluid" not in self.model_fields_set:
-            del data["fluid"]
-        return data
+        not_given = set() if "fluid" in self.model_fields_set else {"fluid"}
+        return self.model_dump(exclude_none=True, exclude=not_given)
 
     def as_toml(self) -> str:
         """The same as a case file."""

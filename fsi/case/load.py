@@ -16,13 +16,10 @@ import tomli_w
 from pydantic import ValidationError
 
 from fsi.case.arguments import lists, path_of
-from fsi.case.arranged import with_arrangement
 from fsi.case.body import Body
-from fsi.case.body_file import read_bodies, with_bodies
 from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
 from fsi.case.complaints import explain
-from fsi.case.grids import with_grids
 from fsi.case.magnitudes import GIVEN, check_magnitudes
 from fsi.case.reduced import LAW_KEYS
 from fsi.case.section import CaseContext, Geometry, toml_data, toml_text, tuples
@@ -103,8 +100,7 @@ def parse_case(data: Mapping[str, Any]) -> Case:
     if geometry not in get_args(Geometry.__value__):
         geometry = "planar"  # the schema says what is wrong
     check_magnitudes(data, GIVEN)
-    members = with_grids(with_arrangement(data), CaseContext(geometry))
-    listed = with_bodies(members, tuple(Body.model_fields))
+    listed = _with_all_bodies(data, CaseContext(geometry))
     check_magnitudes(listed, ["bodies"])
     bodies = listed.get("bodies", ())
     context = CaseContext(geometry, len(bodies) if isinstance(bodies, tuple | list) else 0)
@@ -114,6 +110,27 @@ def parse_case(data: Mapping[str, Any]) -> Case:
         raise InputError(explain(error, Case, listed)) from None
     check_case(case)
     return case
+
+
+def _with_all_bodies(data: Mapping[str, Any], context: CaseContext) -> dict[str, Any]:
+    """The data of a case with all its bodies in [[bodies]]: arranged ones, those of grids and of a file.
+
+    What makes them is loaded where a case asks for it. Raises InputError.
+    """
+    listed = dict(data)
+    if "arrangement" in listed:
+        from fsi.case.arranged import with_arrangement
+
+        listed = with_arrangement(listed)
+    if "grids" in listed:
+        from fsi.case.grids import with_grids
+
+        listed = with_grids(listed, context)
+    if not listed.keys().isdisjoint({"bodies_from", "body_defaults"}):
+        from fsi.case.body_file import with_bodies
+
+        listed = with_bodies(listed, tuple(Body.model_fields))
+    return listed
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -165,6 +182,8 @@ def named_files(data: Mapping[str, Any]) -> Iterator[tuple[str, Path]]:
     for key, table, last in _paths(dict(data)):
         yield key, Path(table[last])
         if key == "bodies_from":
+            from fsi.case.body_file import read_bodies
+
             bodies = read_bodies(Path(table[last])).bodies
             yield from ((f"{key}.{inner}", path) for inner, path in named_files({"bodies": bodies}))
 

@@ -23,9 +23,8 @@ _ALIKE = 0.75  # of 1, of a misspelt word and the one that is meant
 
 
 @cache
-def _load(room: str) -> None:
-    for module in iter_modules(import_module(room).__path__):
-        import_module(f"{room}.{module.name}")
+def _files(room: str) -> tuple[str, ...]:
+    return tuple(module.name for module in iter_modules(import_module(room).__path__))
 
 
 class Registry[S: Section]:
@@ -33,19 +32,30 @@ class Registry[S: Section]:
 
     Attributes:
         key: whose words messages list.
-        room: a package, each file of which may have some; None where all are registered as they are loaded.
+        room: a package, each file of which may have some; where one has the name of a word, all sections
+            with that word stand in it.
+        default: the word that is meant where data have none, if any is.
         sections: the classes that are registered so far.
     """
 
-    def __init__(self, key: str, room: str | None = None) -> None:
-        self.key, self.room = key, room
+    def __init__(self, key: str, room: str, default: str | None = None) -> None:
+        self.key, self.room, self.default = key, room, default
         self.sections: list[type[S]] = []
 
     def all(self) -> Sequence[type[S]]:
-        """The classes. Those of the room are loaded when they are first asked for: most cases have none."""
-        if self.room is None:
-            return self.sections
-        _load(self.room)
+        """The classes, all files of the room loaded."""
+        for file in _files(self.room):
+            import_module(f"{self.room}.{file}")
+        return self._loaded()
+
+    def _load_file(self, word: Any) -> None:
+        """The file with the name of a word is loaded, if there is one."""
+        file = str(word).replace("-", "_")
+        if file in _files(self.room):
+            import_module(f"{self.room}.{file}")
+
+    def _loaded(self) -> Sequence[type[S]]:
+        """The classes that are loaded."""
         within, names = f"{self.room}.", [section.__module__ for section in self.sections]
         # By name, whichever file was loaded first; those of other rooms after them.
         order = sorted(range(len(names)), key=lambda k: (not names[k].startswith(within), names[k]))
@@ -58,6 +68,7 @@ class Registry[S: Section]:
         more. Raises ValueError: no key tells it from another one.
         """
         known: list[type[Any]] = self.sections
+        self._load_file(_words(section).get(self.key))  # which may have the word already
         for k, other in enumerate(known):
             if (other.__module__, other.__qualname__) == (section.__module__, section.__qualname__):
                 known[k] = section
@@ -85,22 +96,32 @@ class Registry[S: Section]:
             right = [data[key] == word for key, word in _words(section).items() if key in data]
             return sum(right), sum(key in section.model_fields for key in data) - right.count(False)
 
+        word = data.get(self.key, self.default)
+        self._load_file(word)
+        named = [section for section in self._loaded() if word and _words(section).get(self.key) == word]
+        found = max(named, key=fit, default=None)
+        if found is not None and (self.key in data or data.keys() <= found.model_fields.keys()):
+            return found
         return max(self.all(), key=fit)
 
     def _require_known(self, word: Any) -> None:
         """Raise pydantic's error for a word at the key that no section has: it explains unknown keys."""
-        fields = [section.model_fields.get(self.key) for section in self.all()]
-        words = [known for field in fields if field is not None for known in get_args(field.annotation)]
-        if word in words:
+        self._load_file(word)
+        if word in self._words_of(self._loaded()) or word in (words := self._words_of(self.all())):
             return
         meant = difflib.get_close_matches(str(word), words, n=1, cutoff=_ALIKE)
         own = "" if meant else "; one of your own must be registered first (docs/layout.md)"
         context = {"key": self.key, "remedy": f"give {self.choices}{own}"}
         raise PydanticCustomError("unknown_word", "not one of the choices", context)
 
+    def _words_of(self, sections: Sequence[type[S]]) -> list[str]:
+        """What may stand at the key, in the order of these sections."""
+        fields = [section.model_fields.get(self.key) for section in sections]
+        return [known for field in fields if field is not None for known in get_args(field.annotation)]
+
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         """The section that nested dictionaries describe; what is a section already stays."""
-        if isinstance(value, tuple(self.all())):
+        if isinstance(value, tuple(self.sections)):
             return value
         if isinstance(value, dict) and self.key in value:
             self._require_known(value[self.key])

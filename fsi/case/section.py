@@ -19,7 +19,7 @@ from textwrap import dedent
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from fsi.errors import InputError
 from fsi.files import data_of
@@ -89,6 +89,19 @@ class Section(BaseModel):
     def describe(cls, key: str) -> str | None:
         """What may stand at one of its keys: the description of the field, or the docstring below it."""
         return cls.model_fields[key].description or _docstrings(cls).get(key)
+
+
+class Late:
+    """`Annotated[S, Late()]`: a section that pydantic looks into where a case has it, not at each start."""
+
+    def __get_pydantic_core_schema__(self, section: type[Section], _handler: object) -> CoreSchema:
+        def read(value: Any, info: core_schema.ValidationInfo) -> Section:
+            return section.model_validate(value, context=info.context)
+
+        as_it_is = core_schema.wrap_serializer_function_ser_schema(
+            lambda value, serialize: serialize(value), schema=core_schema.any_schema()
+        )
+        return core_schema.with_info_plain_validator_function(read, serialization=as_it_is)
 
 
 @cache

@@ -6,7 +6,7 @@ from typing import override
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 
-from fsi.case.domain import Walled
+from fsi.case.domains.domain import Walled
 from fsi.case.profiles.profile import Profile
 from fsi.case.section import refusal, refuse_unknown, told, toml_text
 from fsi.errors import InputError

@@ -78,8 +78,10 @@ class WallCondition:
         return [self.velocity_at(t, 2) for t in self.kinks() or {0.0}]
 
 
-class Open(RootModel[Literal["open"]], WallCondition):
+class Open(RootModel[Any], WallCondition):
     """An open wall without traction, as the word `open`."""
+
+    root: Literal["open"]
 
     tag: ClassVar[str] = "<word>"
     model_config = ConfigDict(defer_build=True)
@@ -90,8 +92,10 @@ class Open(RootModel[Literal["open"]], WallCondition):
         return 0.0
 
 
-class Velocity(RootModel[tuple[Series, ...]], WallCondition):
+class Velocity(RootModel[Any], WallCondition):
     """A wall that moves at a velocity, as a list of its components."""
+
+    root: tuple[Series, ...]
 
     tag: ClassVar[str] = "<velocity>"
     model_config = ConfigDict(defer_build=True, frozen=True, strict=True, allow_inf_nan=False)

@@ -7,7 +7,7 @@ points are arrays of shape (n, 2), in space (n, 3) with z upwards.
 An axisymmetric container is a meridian half-plane: points are (r, z) with r >= 0, and the side r = 0 is the
 axis, which is no wall.
 
-One more shape in the plane is one more class beside those of `containers`: `walls`, `distances`, `normals`,
+One more shape in the plane is one more class, as in `box` and `round`: `walls`, `distances`, `normals`,
 `size`, `volume` and `outline` are all that it must say where walls are straight; of round walls also
 `spheres`, of others that are curved `plane`, `bends` and `waves`. A section of the case file makes it
 (`fsi.case.domains`).

@@ -18,9 +18,10 @@ from fsi.case.shapes.ellipse import Ellipse
 from fsi.case.shapes.fourier import FourierShape
 from fsi.case.shapes.stadium import Stadium
 from fsi.integration.gap_limiter import LEAST_ROOM, greatest_approach
-from fsi.meshes.geometry.containers import Box, Round
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.outline import Outline
+from fsi.meshes.geometry.round import Round
 from fsi.meshes.geometry.shaped import ShapedWalls
 from fsi.meshes.geometry.unbounded import Unbounded
 

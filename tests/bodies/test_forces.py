@@ -17,8 +17,9 @@ from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.runs import run
 from tests.case_data import changed
 from tests.exact_model import DiscsBesidePlane, by, plane_case

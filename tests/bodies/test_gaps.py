@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, nearest_gaps, smallest_of_each, without_rounding
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.geometry.unbounded import Unbounded
 
 BOX = Box((-20.0, -20.0), (20.0, 20.0))

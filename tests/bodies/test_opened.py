@@ -8,9 +8,10 @@ import pytest
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.opened import way_out
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.round import HalfPlane
 
 BOX, WALLS = Box((0.0, 0.0), (9.0, 9.0)), ("left", "right", "bottom", "top")
 PLANE = HalfPlane(100.0)

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from fsi.bodies import gaps as searches
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, neighbours, pair_gaps
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
 
 type Found = list[tuple[int, int, float, float, float]]
 

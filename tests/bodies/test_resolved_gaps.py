@@ -6,7 +6,7 @@ import pytest
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.resolved_gaps import require_resolved, too_narrow
 from fsi.errors import SolveError
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 
 BOX, NAMES = Box((-8.0, 0.0), (8.0, 8.0)), ("large", "small")
 

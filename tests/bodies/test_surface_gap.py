@@ -5,8 +5,9 @@ import pytest
 
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.surface_gap import narrowest_gap
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, Round
+from fsi.meshes.geometry.round import Round
 from fsi.meshes.geometry.tube import Tube
 from fsi.meshes.geometry.unbounded import Unbounded
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.case.checks.expected import check_expected
-from fsi.case.domain import Walled
+from fsi.case.domains.domain import Walled
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from tests.case_data import BOX, changed

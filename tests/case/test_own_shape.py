@@ -14,7 +14,7 @@ from pydantic import Field
 from fsi.arrays import Array
 from fsi.bodies.forces import Bulk
 from fsi.case.case import Case
-from fsi.case.domain import Walled, register_domain
+from fsi.case.domains.domain import Walled, register_domain
 from fsi.case.force_laws.law import ForceSection, register_force
 from fsi.case.load import parse_case
 from fsi.case.section import Geometry

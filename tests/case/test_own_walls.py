@@ -12,12 +12,12 @@ from pydantic import Field
 
 from fsi.arrays import Array
 from fsi.case.case import Case
-from fsi.case.domain import Walled, register_domain
+from fsi.case.domains.domain import Walled, register_domain
 from fsi.case.load import parse_case
 from fsi.case.section import Geometry
 from fsi.errors import InputError
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed

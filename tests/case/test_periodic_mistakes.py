@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fsi.case.boxes import ChannelDomain
+from fsi.case.domains.box import ChannelDomain
 from fsi.case.load import parse_case
 from fsi.case.section import CaseContext
 from fsi.errors import InputError

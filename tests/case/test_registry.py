@@ -7,6 +7,7 @@ from typing import Any, Literal
 import pytest
 
 from fsi.case.registry import Registered, Registry
+from tests.scripts import script
 
 
 class Built(Registered):
@@ -16,7 +17,7 @@ class Built(Registered):
 
 @pytest.fixture
 def registry() -> Registry[Any]:
-    found = Registry[Any]("kind")
+    found = Registry[Any]("kind", "fsi.case.profiles")
     found.register(Built)
     return found
 
@@ -54,6 +55,21 @@ def test_more_keys_or_another_word_tell_two_apart(registry: Registry[Any]) -> No
     assert registry.section_for({"kind": "round"}) is Built
     assert registry.section_for({"kind": "round", "depth": 1.0}) is More
     assert registry.section_for({"kind": "law", "law": "two"}) is Lawful2
+
+
+def test_a_word_of_a_file_that_is_not_loaded_yet_is_taken() -> None:
+    """Else the file would clash when a case asks for it, in the middle of reading that."""
+    done = script("""
+        from typing import Literal
+        from fsi.case.domains.domain import Walled, register_domain
+        try:
+            @register_domain
+            class Mine(Walled):
+                shape: Literal["round"]
+        except ValueError as error:
+            print(error)
+    """)
+    assert done.stdout.startswith('"round": is the name of fsi.case.domains.round.RoundDomain already;')
 
 
 def test_what_is_loaded_anew_takes_its_own_place(registry: Registry[Any]) -> None:

@@ -27,8 +27,11 @@ OTHER = {
     "fsi.integration.schemes", "fsi.observables.scales", "fsi.observables.truncation",
     "fsi.meshes.spatial.sizing",
 }  # fmt: skip
-# Of what the case of one disc has none: other shapes of bodies and of walls, laws of gaps, a motion in time.
+# Of what the case of one disc has none: other shapes of bodies, walls and domains, laws of gaps, a motion,
+# bodies that a file or grid gives.
 NONE_OF_ONE_DISC = {
+    "fsi.case.domains.cell", "fsi.case.domains.round", "fsi.case.arranged", "fsi.case.grids",
+    "fsi.case.body_file",
     "fsi.case.shapes.ellipse", "fsi.case.profiles.wave", "fsi.lubrication.exact_results",
     "fsi.lubrication.below", "fsi.lubrication.named_laws", "fsi.integration.stepper",
     "fsi.meshes.spatial.tetrahedra", "fsi.case.force_laws.gravity",

@@ -14,7 +14,7 @@ from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room, find_contacts, slip_rows
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.unbounded import Unbounded
 from tests.gluey.test_step import H, bodies
 

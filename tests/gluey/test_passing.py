@@ -16,7 +16,7 @@ from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Contacts, Room, find_contacts
 from fsi.gluey.passing import nearest
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.lattice import Lattice
 from tests.gluey.test_system import case_of
 

@@ -17,7 +17,7 @@ from fsi.gluey.contacts import Room, find_contacts
 from fsi.gluey.film import DiscFilm, SphereFilm
 from fsi.gluey.step import Checks, _failure, advance
 from fsi.gluey.system import GlueyState, System
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.unbounded import Unbounded
 
 H = 0.01

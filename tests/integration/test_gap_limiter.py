@@ -9,9 +9,10 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
 from fsi.integration.gap_limiter import greatest_approach, limited_step, lost_in_rounding
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.round import HalfPlane
 
 BOX = Box((-10.0, -10.0), (10.0, 10.0))
 THREE = Configuration(

@@ -18,7 +18,8 @@ from fsi.errors import SolveError
 from fsi.integration.schemes import BogackiShampine
 from fsi.integration.state import Instant, Model, Schedule, State, Trial
 from fsi.integration.stepper import Stepper
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.round import HalfPlane
 from tests.integration.stepping import run
 from tests.integration.test_schemes import Field
 

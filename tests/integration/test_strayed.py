@@ -18,7 +18,7 @@ from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.evolution import Moment, SteppedEvolution
 from fsi.integration.state import Instant, State, Step
 from fsi.integration.strayed import Strayed
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.cell import Cell
 from fsi.models import stepped
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case
 

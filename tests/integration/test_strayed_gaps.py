@@ -19,9 +19,9 @@ from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.state import Instant
 from fsi.integration.strayed_gaps import gap_bar, gap_gradient
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.geometry.unbounded import Unbounded
 from fsi.models import stepped
 from tests.exact_model import ExactInstant, plane_case

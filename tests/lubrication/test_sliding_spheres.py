@@ -12,7 +12,7 @@ from fsi.lubrication import sphere_beside_plane
 from fsi.lubrication.below import OpenedGaps
 from fsi.lubrication.sliding_spheres import coupling, profiles, resistances
 from fsi.lubrication.two_spheres import pair_matrix
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 
 
 def test_the_expansions_are_the_exact_functions_at_gaps_that_they_were_not_fitted_to() -> None:

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from fsi.lubrication import exact, two_discs
-from fsi.meshes.geometry.containers import Round
+from fsi.meshes.geometry.round import Round
 from tests.flows import discs, free, solved
 
 lengths = st.floats(-2.0, 2.0).map(lambda exponent: 10.0**exponent)

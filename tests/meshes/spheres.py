@@ -12,8 +12,9 @@ from dolfinx import fem
 
 from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.meshes.resolution import Resolution
 
 CUBE = Box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))

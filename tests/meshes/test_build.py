@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.planar import triangulate
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial import tetrahedra

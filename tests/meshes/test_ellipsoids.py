@@ -16,10 +16,11 @@ from fsi.bodies.surface_gap import narrowest_gap
 from fsi.integration.gap_limiter import greatest_approach
 from fsi.meshes.build import build
 from fsi.meshes.errors import TouchingError
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.rotations import turn_between
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.meshes.geometry.wall_feet import feet_in_space
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.resolution import Resolution

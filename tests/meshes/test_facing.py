@@ -7,9 +7,11 @@ from numpy.testing import assert_allclose
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import build
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
-from fsi.meshes.geometry.lattice import Cell, Lattice
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.facing import SAME_FROM, FacedGap
 from fsi.meshes.planar.sizing import Curve

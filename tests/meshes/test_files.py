@@ -22,8 +22,9 @@ from fsi.meshes.build import FluidMesh
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.files.write import write_mesh
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.triangulate import gmsh_model
 from fsi.meshes.resolution import Resolution

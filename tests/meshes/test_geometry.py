@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from fsi.arrays import Array
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.round import HalfPlane, Round
 
 IN_PLANE: list[Container] = [
     Box((-1.0, -2.0), (3.0, 5.0)),

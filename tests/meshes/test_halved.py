@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fsi.arrays import Array
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.planar.triangulate import StraightCells, require_boundary
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.halved import EDGES, halved

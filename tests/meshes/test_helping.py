@@ -12,8 +12,8 @@ from mpi4py import MPI
 
 from fsi.meshes.build import build
 from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.helping import help_root, helped, shared_out
 from fsi.meshes.resolution import Resolution
 from tests.ranks import needs_mpi, result_on

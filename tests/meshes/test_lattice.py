@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import expm
 
-from fsi.meshes.geometry.lattice import Cell, Lattice, Vector
+from fsi.meshes.geometry.cell import Cell, Vector
+from fsi.meshes.geometry.lattice import Lattice
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.local_sizes import LocalSizes
 from fsi.meshes.spatial.sizing import Spacing

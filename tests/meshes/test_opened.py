@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from fsi.arrays import Array
 from fsi.meshes.cells.curved import curve, scaled_jacobian
 from fsi.meshes.errors import MeshError, TouchingError
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell, Lattice, reduced
+from fsi.meshes.geometry.lattice import Lattice, reduced
 from fsi.meshes.geometry.matching import matching_points
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.links import NeighbourLinks, neighbours

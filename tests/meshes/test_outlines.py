@@ -24,9 +24,9 @@ from fsi.case.shapes.superellipse import Superellipse
 from fsi.case.shapes.tip import Tip
 from fsi.integration.gap_limiter import greatest_approach
 from fsi.meshes.build import build
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.wall_feet import wall_feet

@@ -13,9 +13,9 @@ from hypothesis.extra.numpy import arrays
 
 from fsi.arrays import Array
 from fsi.meshes.cells.curved import CurvedCells, reference_points, scaled_jacobian
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import FluidDomain, lengths
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.triangulate import StraightCells, require_boundary
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial import tetrahedra

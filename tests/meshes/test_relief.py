@@ -17,9 +17,10 @@ from fsi.case.profiles.profile import WallProfile
 from fsi.case.profiles.tip import TipOfWall
 from fsi.case.profiles.wave import Wave
 from fsi.meshes.build import build
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.geometry.jets import Jet
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.meshes.geometry.shaped import ShapedWalls
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.grading import Grading

@@ -12,7 +12,7 @@ from fsi.case.shapes.fourier import FourierShape
 from fsi.case.shapes.profile import HalfOutline
 from fsi.case.shapes.stadium import Stadium
 from fsi.case.shapes.tip import Tip
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.revolved import BodyOfRevolution
 from fsi.meshes.geometry.wall_feet import wall_feet

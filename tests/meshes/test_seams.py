@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from fsi.arrays import Array
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps
 from fsi.meshes.spatial.seams import APART, AS_IT_IS, SEAM, seam_turn

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from fsi.arrays import Array
 from fsi.case.load import parse_case
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.gap_prisms import choose, find_gaps
 from fsi.meshes.spatial.seams import seam_turns

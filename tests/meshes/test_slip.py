@@ -10,8 +10,8 @@ import pytest
 
 from fsi.arrays import Array
 from fsi.meshes.build import build
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.rotations import turned
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.resolution import Resolution

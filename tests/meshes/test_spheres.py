@@ -18,8 +18,9 @@ from fsi.arrays import Array
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.errors import MeshError, MeshFileError
 from fsi.meshes.files.read import read_mesh
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.tetrahedra import fill
 from tests.meshes.spheres import CUBE, HALF_BALL, USUAL, area, cells, mesh, volume

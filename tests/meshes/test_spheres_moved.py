@@ -17,9 +17,10 @@ from fsi.case.load import parse_case
 from fsi.meshes.cells.curved import determinant, reference_points, scaled_jacobian
 from fsi.meshes.files.read import recover
 from fsi.meshes.files.write import gather, write_mesh
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.curves import Sphere
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.triangulate import StraightCells, gmsh_model
 from fsi.meshes.resolution import Resolution

@@ -8,9 +8,9 @@ import pytest
 from fsi.arrangements.arrangement import Wanted
 from fsi.arrangements.kinds import arrange
 from fsi.meshes.cells.curved import CurvedCells, scaled_jacobian
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.curves import Sphere
-from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.triangulate import StraightCells
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets

@@ -7,9 +7,10 @@ import pytest
 
 from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.meshes.geometry.unbounded import Unbounded
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, surfaces_of
 

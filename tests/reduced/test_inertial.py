@@ -13,7 +13,7 @@ from fsi.arrays import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.errors import SolveError
 from fsi.integration.state import Step
-from fsi.meshes.geometry.containers import HalfPlane
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.models import make_model, make_stepper
 from fsi.reduced.distance_model import DistanceModel, PairMemory, merged
 from tests.reduced_data import INERTIA, heap, reduced_case

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Configuration
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.network import make_network
 from fsi.reduced.pairs import Pairs, find_pairs

@@ -10,9 +10,10 @@ import pytest
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import reduced
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, turning

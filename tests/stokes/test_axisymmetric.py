@@ -20,7 +20,8 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import Motion
 from fsi.case.load import parse_case
 from fsi.lubrication.spheres import line_forces
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.meshes.resolution import Resolution
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run

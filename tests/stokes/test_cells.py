@@ -10,8 +10,9 @@ from numpy.testing import assert_allclose
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation import groups
 from fsi.stokes.discretisation.forms import Forms

@@ -13,8 +13,9 @@ from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.meshes.files.write import write_mesh
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
+from fsi.meshes.geometry.round import HalfPlane, Round
 from fsi.runs import run
 from fsi.stokes.adapt import Solved, solve_with_errors
 from fsi.stokes.corners import distance, jumps, singular

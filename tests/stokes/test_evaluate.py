@@ -13,8 +13,9 @@ import fsi.parallel as parallel
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
-from fsi.meshes.geometry.containers import Box, Round
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
+from fsi.meshes.geometry.round import Round
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import SolverOptions, StokesProblem

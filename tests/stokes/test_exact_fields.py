@@ -9,8 +9,9 @@ import pytest
 import pyvista as pv
 
 from fsi.bodies.configuration import Configuration, Motion
-from fsi.meshes.geometry.containers import Box, Round
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
+from fsi.meshes.geometry.round import Round
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary
 from fsi.stokes.traction import traction

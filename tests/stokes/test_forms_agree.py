@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Configuration, Inertia, Motion
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 import fsi.stokes.discretisation.groups as module
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.groups import Groups
 from fsi.stokes.discretisation.loops import loops

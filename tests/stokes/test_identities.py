@@ -9,8 +9,9 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import Motion
 from fsi.errors import SolveError
 from fsi.meshes.build import build
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.geometry.containers import Box, Round
+from fsi.meshes.geometry.round import Round
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.identities import require

@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 import fsi
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.report.solution import print_solution, solution_json
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import DEFAULT, FORMULATIONS, Clock, assembled

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 
 import fsi
 from fsi.bodies.configuration import Configuration
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.solve import FORMULATIONS
 from tests.flows import discs, free, held

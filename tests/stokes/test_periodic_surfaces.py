@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fsi.case.load import parse_case
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.resistance import case_resistance, held_at_rest, solve_resistance
 from fsi.stokes.traction import places, traction

@@ -11,9 +11,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.case.load import parse_case
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, Round
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.round import Round
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.traction import traction

@@ -15,7 +15,8 @@ from mpi4py import MPI
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.forms import Forms, pressure_element, velocity_element

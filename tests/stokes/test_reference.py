@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from fsi.lubrication import exact
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary
 from tests.flows import BOX, HALF_PLANE, at_rest, disc_over_plane, discs, free, held, shear, solved

@@ -15,8 +15,9 @@ from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
 from fsi.lubrication import exact
 from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box, Round
+from fsi.meshes.geometry.round import Round
 from fsi.meshes.resolution import Resolution
 from fsi.observables.resistance import Resistance, difference
 from fsi.stokes.problem import Boundary, StokesProblem

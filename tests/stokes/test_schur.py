@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.case.load import parse_case
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
-from fsi.meshes.geometry.lattice import Cell
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solvers.schur import widths
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.errors import SolveError
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.resolution import Resolution
 from fsi.observables.bulk_stress import BulkStress
 from fsi.stokes.identities import require

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fsi.arrays import Array
 from fsi.case.load import parse_case
-from fsi.meshes.geometry.containers import Round
+from fsi.meshes.geometry.round import Round
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.slip import masses
 from fsi.stokes.fields import Surface

@@ -8,7 +8,7 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.curves import rescaled
 from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.stretched import Stretched

@@ -13,8 +13,8 @@ from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.containers import Box
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary, StokesProblem

@@ -9,7 +9,7 @@ from fsi.case.background_flow import background
 from fsi.case.case import Case
 from fsi.case.checks.time import free_without_mass
 from fsi.case.checks.without_flow import check_estimates
-from fsi.case.domain import MeanDrive
+from fsi.case.domains.domain import MeanDrive
 from fsi.errors import InputError
 
 

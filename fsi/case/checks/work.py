@@ -19,7 +19,6 @@ import numpy as np
 from fsi.bodies.gaps import Gaps, find_gaps
 from fsi.bodies.resolved_gaps import too_narrow
 from fsi.case.case import Case
-from fsi.case.gluey import LimitStudy
 from fsi.case.section import CaseContext
 from fsi.case.sections import Discretisation
 from fsi.errors import InputError
@@ -51,8 +50,9 @@ def check_work(case: Case) -> str | None:
         _check_gaps(case)
     count = _check_mesh(case) if resolved else _check_bodies(case)
     steps, _ = _steps(case)
-    most = max((case.limit or LimitStudy()).steps)
-    require_memory(f"limit.steps = {most}", most * _LIMIT_STEP, "give fewer")
+    if case.limit is not None:
+        most = max(case.limit.steps)
+        require_memory(f"limit.steps = {most}", most * _LIMIT_STEP, "give fewer")
     each = _SECONDS[case.dimension] if resolved else _of_body(case, _PORE_SECONDS, _BODY_SECONDS)
     minutes = max(steps, 1.0) * count * each / 60.0
     if minutes < _LONG:

@@ -1,1 +1,1 @@
-"""Shapes of bodies in the plane, one file each; all files of this room are read when a case has one."""
+"""Shapes of bodies in the plane, one file each; a file has the name of its word."""

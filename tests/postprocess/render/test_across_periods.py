@@ -6,7 +6,7 @@ import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.surface_gap import gap_between, narrowest_gap
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.postprocess.render.scenes import tiled
 from fsi.postprocess.render.view import View
 

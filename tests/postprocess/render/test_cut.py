@@ -11,7 +11,7 @@ from matplotlib.image import imread
 import fsi
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.surface_gap import gap_between
-from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.box import Box
 from fsi.postprocess.render import cut as cut_module
 from fsi.postprocess.render.cut import Cut, flow_on, through_gap
 from fsi.postprocess.render.fields import rendered_field

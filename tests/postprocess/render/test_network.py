@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import fsi
 from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.cell import Cell
 from fsi.postprocess.render import network, picture
 from fsi.postprocess.render.network import ContactNetwork, NetworkArtist, _lines
 from fsi.postprocess.render.picture import Framed

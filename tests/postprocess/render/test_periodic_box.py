@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 import fsi
 from fsi.bodies.configuration import Configuration
 from fsi.case.load import load_case
-from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.cell import Cell
 from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.run.probe import FLUID, probe
 from fsi.runs import run

@@ -15,7 +15,8 @@ import fsi
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.surface_gap import SurfaceGap, narrowest_gap
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.round import HalfPlane
 from fsi.postprocess.render import canvas
 from fsi.postprocess.render.picture import round_length
 from fsi.postprocess.render.planar import PlanarArtist

@@ -10,9 +10,9 @@ import pytest
 import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.box import Box
+from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell
 from fsi.postprocess.render.scenes import RIBBON, images, scene, tiled
 from fsi.postprocess.render.view import View, around_period
 

@@ -6,12 +6,12 @@ from typing import Any, ClassVar, Literal, override
 import numpy as np
 from pydantic import ValidationInfo, field_validator
 
-from fsi.case.domain import MeanDrive, register_domain
+from fsi.case.domains.domain import MeanDrive, register_domain
 from fsi.case.section import Geometry, Section, dimension_of, refusal, require_components, told, toml_text
 from fsi.case.shaped_walls import StraightWalls
 from fsi.errors import InputError
+from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.containers import Box
 
 
 def _walls_of(geometry: Geometry, periodic: tuple[str, ...] = ()) -> tuple[str, ...]:

@@ -1,13 +1,14 @@
 """The domain of a case: what all shapes of containers have in common, and the registry of the shapes.
 
-One more shape is one more section here, a class registered with `register_domain`, and one more container
-(`fsi.meshes.geometry.containers`).
+One more shape is one file here, named after its word: a section under `@register_domain`, and one more
+container in `fsi.meshes.geometry`. Files of this room are found by themselves; from outside the decorator
+alone does.
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple, Self, override
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, override
 
-from pydantic import Field, PrivateAttr, ValidationInfo, field_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, SerializeAsAny, ValidationInfo, field_validator
 
 from fsi.case.registry import Registered, Registry
 from fsi.case.section import Geometry, context_of, refusal, refuse_unknown, require_components, told
@@ -32,7 +33,7 @@ class MeanDrive(NamedTuple):
 class Walled(Registered):
     """What all domains have: a condition at every wall, and perhaps the user's own mesh of the shape."""
 
-    registry: ClassVar[Registry[Any]] = Registry("shape")
+    registry: ClassVar[Registry[Any]] = Registry("shape", __package__, default="box")
     # No mesh file has what a periodic domain needs: sides that match.
     takes_mesh: ClassVar[bool] = True
     # The keys of what drives the fluid besides walls.
@@ -116,3 +117,4 @@ class Walled(Registered):
 
 
 register_domain = Walled.registry.register
+Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(Walled.registry.validate)]

@@ -1,0 +1,1 @@
+"""The shapes of domains, one file each; a file has the name of its word."""
