@@ -74,6 +74,7 @@ def test_a_case_with_shapes_is_written_and_read_again() -> None:
             "the same point twice",
         ),
         ({"kind": "fourier", "radius": 1.0, "orders": [2], "cosines": [1.0]}, "add up to 1 or more"),
+        ({"kind": "fourier", "radius": 1.0, "orders": [2, 2], "cosines": [0.1, 0.1]}, "has the order 2 more"),
         (
             {"kind": "polygon", "corners": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], "rounding": 0.4},
             "shorter than the arcs",
@@ -93,7 +94,6 @@ def test_a_case_with_shapes_is_written_and_read_again() -> None:
             },
             "crosses itself",
         ),
-        ({"kind": "spline", "points": "none.csv"}, "cannot be read"),
     ],
 )
 def test_what_is_no_shape_is_refused_by_name(shape: dict[str, Any], message: str) -> None:

@@ -19,7 +19,7 @@ from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.sliding_film import sphere_resistance
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.forms import EQUISPACED
-from fsi.stokes.discretisation.slip import FACET, masses
+from fsi.stokes.discretisation.slip import FACET, continued, masses
 from fsi.stokes.problem import StokesProblem, SurfaceConditions
 from fsi.stokes.resistance import case_resistance
 from fsi.stokes.solve import solve
@@ -199,6 +199,19 @@ def test_masses_of_facets(d: int, degree: int) -> None:
     assert_allclose(normal.sum(axis=(0, 1, 2)), [4.0, -3.0] if d == 2 else [0.0, -1.0, 2.0], atol=1e-14)
 
 
+@pytest.mark.parametrize("stuck", [[0], [1], [0, 1]])
+@pytest.mark.parametrize("degree", [2, 3, 5])
+def test_the_pressure_on_a_wall_is_of_a_lower_degree_beside_corners(degree: int, stuck: list[int]) -> None:
+    """What is tested with polynomials of that degree stays; the neighbour's value would do for constants."""
+    X = basix.create_element(basix.ElementFamily.P, FACET[2], degree, EQUISPACED).points[:, 0]
+    _, normal = masses(np.stack([X, 0.3 * X**2], axis=1)[None], degree, axisymmetric=False)
+    absent = np.isin(np.arange(degree + 1), stuck)
+    folded = continued(normal, absent[None])[0, ~absent]
+    powers = np.vander(X, degree + 1 - len(stuck))
+    of_all = np.tensordot(powers.T, normal[0], 1)
+    assert_allclose(np.tensordot(powers[~absent].T, folded, 1), of_all, rtol=0, atol=1e-13)
+
+
 CASE = """
 name = "sliding discs"
 [fluid]
@@ -208,6 +221,7 @@ lower = [-4.0, 0.0]
 upper = [4.0, 6.0]
 walls.top = { slip_length = 0.3, velocity = [1.0, 0.0] }
 walls.bottom = { slip_length = 0.1 }
+profiles.bottom = { kind = "wave", height = -0.15, length = 4.0, number = 2, start = -4.0 }
 [discretisation]
 cells_per_circle = 24
 growth = 0.4

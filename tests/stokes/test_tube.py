@@ -42,6 +42,14 @@ def velocity(data: dict[str, Any]) -> Array:
     return U
 
 
+def test_a_gap_of_two_hundredths_is_no_narrower_by_rounding() -> None:
+    """1.4 - 0.686 - 0.7 is less than 0.02 * 0.7 by 1e-16."""
+    data = in_tube(1.4, 4.2, 0.686)
+    data["bodies"][0]["radius"] = 0.7
+    assert 1.4 - 0.686 - 0.7 < 0.02 * 0.7
+    parse_case(data)
+
+
 def test_the_reflection_off_the_axis() -> None:
     """On the axis 1 - 2.10444 a/R + 2.08877 (a/R)^3 (Faxen; Happel and Brenner 1965, section 7-3)."""
     u, turning = motion(1.0, 20.0, 0.0)
@@ -174,6 +182,11 @@ def test_ranks_agree(tmp_path: Path) -> None:
         ({"walls": {"top": [0.0, 0.0, 1.0]}}, r"domain\.walls\.top = .*net flux"),
         ({"length": 0.0}, r"domain\.length = 0\.0"),
         ({"radius": 1.4}, r"'ball' touches or crosses wall 'side' \(gap -0\.1\)"),
+        (
+            {"radius": 1.5199},
+            r"bodies\.0\.position = \[0\.5, .*: the gap of 'ball' to wall 'side' is 0\.0199, below 0\.02 of "
+            "the radius, 1; widen it",
+        ),
         ({"body": {"radius": None, "shape": {"kind": "ellipsoid", "axes": [0.5, 0.5, 0.7]}}}, "spheres only"),
     ],
 )

@@ -3,7 +3,7 @@
 from typing import Annotated, Literal, override
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fsi.arrays import Array
 from fsi.case.section import Positive
@@ -22,11 +22,19 @@ class FourierShape(BodyShape):
     radius: Positive
     """the mean radius, a number > 0"""
     orders: tuple[Annotated[int, Field(ge=1, le=_MOST)], ...] = Field(min_length=1)
-    """the orders n, whole numbers from 1 to 200"""
+    """the orders n, whole numbers from 1 to 200, each once"""
     cosines: tuple[float, ...]
     """the coefficients c_n, one for each order"""
     sines: tuple[float, ...] = ()
     """the coefficients s_n, one for each order; 0 if not given"""
+
+    @field_validator("orders")
+    @classmethod
+    def _each_once(cls, orders: tuple[int, ...]) -> tuple[int, ...]:
+        for n in orders:
+            if orders.count(n) > 1:
+                raise ValueError(f"has the order {n} more than once")
+        return orders
 
     @model_validator(mode="after")
     def _one_for_each_order(self) -> "FourierShape":

@@ -19,7 +19,9 @@ That s.n vanishes is asked for on the curved cells themselves, with n their own 
 u (Verfuerth 1987, Numer. Math. 50:697): a normal at a node would be the wrong one between nodes, and fluid
 would leak through. With nu = 1 no fluid at all goes through the surface of a body. On plane walls it is
 simply the normal component of s that is not there. Where a sliding wall meets one that fluid sticks to, it
-sticks to both.
+sticks to both. There s is given, and nu of a curved wall is no unknown but of a lower degree on the facet
+beside that corner, as mortars are at crosspoints (Bernardi, Maday and Patera 1994): it has as many unknowns
+as s has along n, and the functions nu' still add up to 1.
 """
 
 from dataclasses import dataclass, replace
@@ -61,7 +63,7 @@ def with_slip(layout: DofLayout, problem: StokesProblem, nodes: BoundaryNodes) -
                 shaped.append((rows, axis))
         elif wall in boundary.velocities:
             stuck[rows] = True
-    # Where a wall with a shape meets one that fluid sticks to, that holds its normal already.
+    # Where a wall with a shape meets one that fluid sticks to, nu is `continued`.
     carriers += [rows[~stuck[rows[:, axis]], -1] for rows, axis in shaped]
     of_walls = np.unique(np.concatenate([*on_walls, np.empty(0, dtype=np.int64)]))
     of_bodies = layout.on_body[np.isin(layout.body, list(problem.surfaces.slip_lengths))]
@@ -95,7 +97,8 @@ class SlidingFacets:
         here, there = np.repeat(s[:, :, None], n, axis=2), np.repeat(s[:, None], n, axis=1)
         of_friction = np.repeat(self.friction[..., None], d, axis=3)
         tested = np.repeat(np.repeat(nu[:, :, None, None], n, axis=2), d, axis=3)
-        parts = [(here, there, of_friction), (tested, there, self.normal), (there, tested, self.normal)]
+        normal = continued(self.normal, nu == NO_COLUMN)
+        parts = [(here, there, of_friction), (tested, there, normal), (there, tested, normal)]
         row, column, value = (np.concatenate([part[k].ravel() for part in parts]) for k in range(3))
         known = (row != NO_COLUMN) & (column != NO_COLUMN)
         return row[known], column[known], value[known]
@@ -152,6 +155,23 @@ def masses(x: Array, degree: int, *, axisymmetric: bool) -> tuple[Array, Array]:
     products = np.einsum("qi,qj->qij", phi, phi)
     mass = np.tensordot(np.linalg.norm(n, axis=2), products, 1)
     return mass, np.moveaxis(np.tensordot(n.swapaxes(1, 2), products, 1), 1, -1)
+
+
+def continued(normal: Array, absent: NDArray[np.bool_]) -> Array:
+    """int phi_i phi_j n ds where some nodes have no nu: phi_i are then such that nu is of a lower degree.
+
+    normal: of facets with all nodes, (E, n, n, d); absent: which have none, (E, n). Only in the plane facets
+    have nodes of both kinds. The values of nu there are those of the polynomial through all others, so that
+    phi_i of these still add up to 1.
+    """
+    n, normal = absent.shape[1], normal.copy()
+    for e in np.flatnonzero(absent.any(axis=1) & ~absent.all(axis=1)):
+        nodes = basix.create_element(basix.ElementFamily.P, FACET[2], n - 1, EQUISPACED).points[:, 0]
+        none, others = np.flatnonzero(absent[e]), np.flatnonzero(~absent[e])
+        powers = np.vander(nodes, len(others))
+        weights = powers[none] @ np.linalg.inv(powers[others])
+        normal[e, others] += np.tensordot(weights.T, normal[e, none], 1)
+    return normal
 
 
 def _nodes_of(forms: Forms, facets: NDArray[np.int32], x: Array) -> tuple[Indices, Array]:
