@@ -90,20 +90,20 @@ def require_figure(path: Path) -> None:
 
 
 class PlainNumbers(Formatter):
-    """Labels with six digits, or as many as tell them apart, and no offset common to all."""
+    """Labels with six digits, or as many as tell them apart, no common offset, and no hyphens for signs."""
 
     @override
     def __call__(self, x: float, pos: int | None = None) -> str:
-        return f"{x:.6g}"
+        return self.fix_minus(f"{x:.6g}")
 
     @override
     def format_ticks(self, values: Sequence[float]) -> list[str]:
         apart = min(np.diff(np.sort(values)), default=np.abs(values).max(initial=0.0))
-        for digits in range(_FEWEST_DIGITS, _MOST_DIGITS):
+        for digits in range(_FEWEST_DIGITS, _MOST_DIGITS + 1):
             labels = [f"{value:.{digits}g}" for value in values]
             if np.all(np.abs(np.array(labels, dtype=float) - values) <= _OFF * apart):
-                return labels
-        return [f"{value:.{_MOST_DIGITS}g}" for value in values]
+                break
+        return [self.fix_minus(label) for label in labels]
 
 
 def label_short(axis: Axis) -> None:

@@ -28,6 +28,7 @@ from fsi.postprocess.plots.figure import (
 )
 from fsi.postprocess.plots.panels import (
     ADDED_VISCOSITY,
+    LINEAR,
     PANELS,
     VISCOSITY,
     Asked,
@@ -41,7 +42,7 @@ _LAWS: dict[str, dict[str, Any]] = {
     "exact": {"color": "#777777", "lw": 6, "alpha": 0.5},
     "asymptote": {"color": "#777777", "lw": 1.5, "ls": ":"},
 }
-_LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
+_LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis may be logarithmic
 _CONSTANT = 1e-6  # relative changes below it are rounding: the axis begins at zero
 _LEAST_SPAN = 1e-3  # of the largest value: on shorter axes errors of the elements would look like a trend
 _ROUNDING = 1e-12  # of the largest value: what is below it is not drawn on a logarithmic axis
@@ -60,7 +61,7 @@ class RunHistory:
         strain: the strain at those times, of a sheared suspension; else None.
         panels: the curves of each panel by its title.
         laws: times and gaps of the exact law and its asymptote, where they are known.
-        axisymmetric: whether its bodies are spheres on an axis.
+        case: of the run.
     """
 
     name: str
@@ -68,7 +69,19 @@ class RunHistory:
     strain: Array | None
     panels: dict[str, Curves]
     laws: dict[str, tuple[Array, Array]]
-    axisymmetric: bool
+    case: Case
+
+    def label(self, curve: str) -> str:
+        """What tells a curve from all others of several runs; a curve of no body by its panels."""
+        if all(len(curves) == 1 for curves in self.panels.values()):
+            return self.name
+        of_no_body = ",\n".join(title for title, curves in self.panels.items() if "" in curves)
+        return f"{self.name}: {curve or of_no_body}"
+
+    def styles(self, title: str) -> dict[str, int]:
+        """The number of the style of each curve of a panel: of a body its own, whichever are left out."""
+        names, curves = self.case.names, self.panels.get(title, {})
+        return {name: names.index(name) if name in names else k for k, name in enumerate(curves)}
 
 
 def _strain(run: Run, t: Array) -> Array | None:
@@ -79,17 +92,20 @@ def _strain(run: Run, t: Array) -> Array | None:
 def read_history(
     run: Run, gap: str | None = None, singly: int = len(COLOURS), curves: str | None = None
 ) -> RunHistory:
-    """The curves of a run; gap and singly as in `Asked`, curves as in `plot_runs`. Raises InputError."""
+    """The curves of a run that it has; gap and singly as in `Asked`, curves as in `plot_runs`.
+
+    Raises InputError: no such gap.
+    """
     if gap is not None and not run.viscous:
         raise InputError(f'--gap {gap}: model = "{run.case.model}" of {run.path} has no such curve; drop it')
     t = run.steps["t"].to_numpy()
     asked = Asked(run, gap, singly, by_name=curves is not None)
-    panels = {title: PANELS[title](asked) for title in panel_titles(curves)}
+    panels = {title: PANELS[title](asked) for title in panel_titles(curves) if title in PANELS}
     panels = {title: curves for title, curves in panels.items() if curves}
     laws = _laws(run.case, t) if run.viscous and gap is None else {}
-    sheared = VISCOSITY in panels or ADDED_VISCOSITY in panels
+    sheared = any(PANELS[title](asked) for title in (VISCOSITY, ADDED_VISCOSITY))  # drawn or not
     strain = _strain(run, t) if sheared else None
-    return RunHistory(run.path.resolve().name, t, strain, panels, laws, run.case.axisymmetric)
+    return RunHistory(run.path.resolve().name, t, strain, panels, laws, run.case)
 
 
 def _laws(case: Case, t: Array) -> dict[str, tuple[Array, Array]]:
@@ -168,18 +184,19 @@ def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
         curves = history.panels.get(title, {})
         for law, curve in history.laws.items() if title == "gap" else ():
             axes.plot(*curve, label=law, **_LAWS[law])
-        for n, (name, value) in enumerate(curves.items()):
-            colour, dash = COLOURS[n if single else k % len(COLOURS)], _DASHES[n % len(_DASHES)]
-            label = plain(name if single else history.name if len(curves) == 1 else f"{history.name}: {name}")
-            if single and not name:
-                colour, label = mpl.rcParams["text.color"], "_nolegend_"
+        for name, n in history.styles(title).items():
+            value = curves[name]
+            colour, dash = COLOURS[(n if single else k) % len(COLOURS)], _DASHES[n % len(_DASHES)]
+            label = plain(name if single else history.label(name))
+            if single and len(curves) == 1 and name not in history.case.names:  # of no body, or of a gap
+                colour = mpl.rcParams["text.color"]
             x, marker = _abscissa(history, histories), "o" if len(value) <= _FEW else ""
             style: dict[str, Any] = {"color": colour, "ls": dash, "lw": 1.5, "marker": marker, "ms": 4.0}
             axes.plot(x, value, label=label, **style)
             values.append(value)
     y = np.concatenate(values)
     y = y[np.isfinite(y)]
-    if y.size and y.min() > 0.0 and y.max() > _LOGARITHMIC * y.min():
+    if y.size and title not in LINEAR and 0.0 < _LOGARITHMIC * y.min() < y.max():
         axes.set_yscale("log")
         axes.set_ylim(max(y.min(), _ROUNDING * y.max()) / 1.3, y.max() * 1.3)
         label_short(axes.yaxis)
@@ -204,7 +221,7 @@ def _scale_time(axes: Sequence[Axes], histories: Sequence[RunHistory]) -> None:
     gaps = [value for history in histories for value in history.panels.get("gap", {}).values()]
     strained = all(history.strain is not None for history in histories)
     long = not strained and any(value.max() > _LONG * value.min() for value in gaps)
-    if long and not any(history.axisymmetric for history in histories):
+    if long and not any(history.case.axisymmetric for history in histories):
         axes[0].set_xscale("log")
         axes[0].set_xlim(left=min(float(history.t[history.t > 0.0][0]) for history in histories))
     axes[-1].set_xlabel("strain" if strained else "t")

@@ -14,7 +14,6 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import PLACES
 from fsi.bodies.gaps import smallest_of_each
 from fsi.bodies.surface_gap import gap_between
-from fsi.errors import InputError
 from fsi.postprocess.run.gaps import parse_sides
 from fsi.postprocess.run.run import Run
 
@@ -67,6 +66,7 @@ class Asked:
         return sizes
 
 
+LINEAR = frozenset(PLACES[2] + PLACES[3])  # coordinates and angles, whose zero anyone may choose
 PANELS: dict[str, Callable[[Asked], Curves]] = {}
 _ON_DEMAND: set[str] = set()
 
@@ -82,14 +82,10 @@ def register_panel(title: str, read: Callable[[Asked], Curves], on_demand: bool 
 
 
 def panel_titles(curves: str | None) -> list[str]:
-    """The panels that "gap,x,angle" names, or those of every figure. Raises InputError: there is none."""
+    """The titles in "gap,x,angle", which may be of no panel, or those of every figure."""
     if curves is None:
         return [title for title in PANELS if title not in _ON_DEMAND]
-    asked = [word.strip() for word in curves.split(",")]
-    for title in asked:
-        if title not in PANELS:
-            raise InputError(f"--curves {curves}: there is no {title!r}; give some of {', '.join(PANELS)}")
-    return asked
+    return [word.strip() for word in curves.split(",")]
 
 
 def of_steps(column: str) -> Callable[[Asked], Curves]:

@@ -16,7 +16,7 @@ from fsi.postprocess.run.run import Run
 _SINGLY = len(COLOURS)  # of more bodies all paths have one colour
 _ACROSS = {2: ("x", "y"), 3: ("x", "z")}
 _ROUNDING = 1e-9  # of the scale of a profile
-_RARE = 0.05  # of the largest density: where there is less, nothing moves or remembers
+RARE = 0.05  # of the largest density: less is vacuum, where nothing moves or remembers
 # Columns of profiles.csv, what they are, and their colours: perceptual, on both sides of zero for u.
 PROFILES = {
     "rho": (r"density $\rho$", "viridis"),
@@ -90,7 +90,10 @@ def _draw_paths(axes: Axes, names: tuple[str, ...], x: Array, radii: Array) -> N
 
 
 def plot_space_time(run: Run, output: Path, theme: Theme = LIGHT) -> None:
-    """Draw density, velocity and memory of a macroscopic run over x and t. Raises InputError."""
+    """Draw density, velocity and memory of a macroscopic run over x and t, none in vacuum.
+
+    Raises InputError.
+    """
     with saved_figure(output, (3.1 * len(PROFILES), 3.4), theme=theme) as figure:
         space_time_figure(run, figure)
 
@@ -99,13 +102,14 @@ def space_time_figure(run: Run, figure: Figure) -> Figure:
     """The figure with a panel for each. Raises InputError."""
     grids = _over_space_and_time(run)
     x, t, scales = grids["x"], grids["t"], profile_scales(run)
+    there = grids["rho"] > RARE * grids["rho"].max()
     period = (t.min(), t.max()) if len(t) > 1 else None  # cells around the first and last reach further
     panels = figure.subplots(1, len(PROFILES), sharex=True, sharey=True)
     for axes, (name, (label, colours)) in zip(panels, PROFILES.items(), strict=True):
-        there = (grids["rho"] > _RARE * grids["rho"].max()) | (name == "rho")
         values = np.where(there, grids[name], np.nan)
         largest = float(np.nanmax(np.abs(values))) or 1.0
-        low, high = (-largest, largest) if colours == "PuOr_r" else profile_ends(values, scales[name])
+        about_zero = {"rho": (0.0, largest), "u": (-largest, largest)}
+        low, high = about_zero.get(name) or profile_ends(values, scales[name])
         style = {"cmap": colours, "vmin": low, "vmax": high, "shading": "nearest", "rasterized": True}
         drawn = axes.pcolormesh(x, t, values, **style)
         axes.grid(visible=False)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import BLUE
-from fsi.postprocess.plots.trajectories import PROFILES, profile_ends, profile_scales
+from fsi.postprocess.plots.trajectories import PROFILES, RARE, profile_ends, profile_scales
 from fsi.postprocess.render.canvas import Picture
 from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Artist, pixels
@@ -57,7 +57,7 @@ class ProfileArtist(Artist):
 def profile_figure(
     title: str, profile: Mapping[str, Array], ends: Mapping[str, Span], choice: Choice
 ) -> Figure:
-    """Draw all columns (n,) of a profile against its column x, below each other.
+    """Draw all columns (n,) of a profile against its column x, below each other, in vacuum rho alone.
 
     ends: of the axis of each column; choice: its size is about as many pixels high and wide.
     """
@@ -67,7 +67,14 @@ def profile_figure(
         figure.suptitle(title, x=0.02, ha="left", fontsize=13)
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
         for name, panel in zip(names, axes, strict=True):
-            panel.plot(profile["x"], profile[name], ".-", color=BLUE, ms=2, lw=1.0)
+            line = np.array([profile["x"], profile[name]])
+            panel.plot(*(line if name == "rho" else _parted(line)), ".-", color=BLUE, ms=2, lw=1.0)
             panel.set(ylabel=_LABELS[name], xlim=ends["x"], ylim=ends[name])
         axes[-1].set_xlabel("x")
     return figure
+
+
+def _parted(line: Array) -> Array:
+    """A line through parcels (2, n) with a point that is no number wherever vacuum parts neighbours."""
+    apart = np.diff(line[0])  # the inverse of the density in between: parcels have one mass
+    return np.insert(line, np.flatnonzero(RARE * apart > apart.min()) + 1, np.nan, axis=1)

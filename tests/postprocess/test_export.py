@@ -110,6 +110,14 @@ def test_a_broken_export_leaves_the_one_before(run: Path) -> None:
     assert list(run.glob(".partial*")) == []
 
 
+@pytest.mark.parametrize("name", ["discs.xdmf", "discs.csv", "discs.vtkhdf"])
+def test_a_suffix_chooses_the_format(name: str, run: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """The first two were refused: `give the path of a .vtkhdf file`."""
+    assert fsi_command("export", run, "-o", run / name) == 0
+    rows_or_steps = "3 rows" if name == "discs.csv" else "2 steps"
+    assert capfd.readouterr().out == f"wrote {run / name}, {rows_or_steps}\n"
+
+
 def test_bodies_with_their_radii(run: Path) -> None:
     assert fsi_command("export", run, "--format", "csv", "-o", run / "discs.csv") == 0
     table = pd.read_csv(run / "discs.csv")

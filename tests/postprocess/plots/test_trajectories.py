@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import fsi
 from fsi.errors import InputError
-from fsi.postprocess.plots.histories import read_history
+from fsi.postprocess.plots.histories import plot_runs, read_history
 from fsi.postprocess.plots.trajectories import paths, plot_paths, relative_path, space_time_figure
 from tests.commands import fsi_command
 
@@ -81,6 +81,42 @@ def test_a_shape_that_seems_to_turn_has_its_angle_drawn(run: fsi.Run) -> None:
     assert "angle" not in read_history(fsi.open_run(run.path)).panels
 
 
+def test_a_body_looks_alike_in_all_panels(run: fsi.Run, drawn: list[Figure]) -> None:
+    """Also where others are left out, as discs are of angles: b looked like a there.
+
+    The gap of two looks like neither. An angle has no zero of its own: from 0.05 to 1.05 its axis is even.
+    """
+    case, table = run.path / "case.toml", run.path / "bodies.csv"
+    case.write_text(CASE.replace("radius = 0.5", 'shape = { kind = "ellipse", axes = [0.5, 0.3] }'))
+    rows = pd.read_csv(table)
+    rows.assign(angle=rows["angle"] + 0.05).to_csv(table, index=False)
+    plot_runs([fsi.open_run(run.path)], run.path / "a.png")
+    gap, *_, angle = (
+        {line.get_label(): (line.get_color(), line.get_linestyle()) for line in axes.lines}
+        for axes in drawn[0].axes
+    )
+    assert [*angle] == ["b"]
+    assert angle["b"] == gap["b"]
+    assert all(a != b for a, b in zip(gap["a"], gap["b"], strict=True))
+    assert drawn[0].axes[-1].get_yscale() == "linear"
+    plot_runs([fsi.open_run(run.path)], run.path / "a.png", gap="a,b")
+    (of_two,) = drawn[1].axes[0].lines
+    assert of_two.get_color() not in (gap["a"][0], gap["b"][0])
+    assert of_two.get_label() == "gap a,b"
+
+
+def test_sheared_runs_are_drawn_over_strain_whatever_is_asked(run: fsi.Run, drawn: list[Figure]) -> None:
+    """Walls 4 apart at speeds of 0 and 1: t / 4. The legend of two runs tells viscosities from gaps of a."""
+    (run.path / "steps.csv").write_text("step,t,apparent_viscosity\n0,0.0,2.0\n1,1.0,2.5\n2,2.0,3.0\n")
+    sheared = fsi.open_run(run.path)
+    assert read_history(sheared, curves="gap,x").strain == pytest.approx([0.0, 0.25, 0.5], rel=1e-12)
+    plot_runs([sheared, sheared], run.path / "a.png", curves="gap,apparent viscosity")
+    assert drawn[0].axes[-1].get_xlabel() == "strain"
+    shown = [text.get_text().rpartition(" (")[2] for text in drawn[0].legends[0].get_texts()]
+    viscosities = ["1): apparent viscosity", "2): apparent viscosity"]
+    assert shown == ["1): a", "1): b", "2): a", "2): b", *viscosities]
+
+
 def write_turning_sphere(folder: Path) -> Path:
     """A sphere in space that turns about x and z, beside the side of a box."""
     (folder / "case.toml").write_text(
@@ -122,7 +158,7 @@ def test_figures_and_refusals(run: fsi.Run, capfd: pytest.CaptureFixture[str]) -
     with pytest.raises(InputError, match="--relative b,c: give the names of two bodies of a, b"):
         relative_path(run, "b,c")
     for words, message in (
-        (("--curves", "speeds"), "there is no 'speeds'; give some of gap, speed"),
+        (("--curves", "speeds"), "the run has no 'speeds'; it has gap, speed, x, y, angle\n"),
         (("--paths", "--gap", "a,b"), "draw one run, without --gap and --curves"),
         (("--paths", "-o", "a.jpg"), "a.jpg: give the path of a .png, .svg or .pdf file"),
     ):

@@ -207,16 +207,19 @@ def test_a_signed_colour_bar_ends_where_its_colours_end(
 @pytest.mark.parametrize(
     ("norm", "ends"),
     [
-        (Signed().norm((-8.0, 8.0)), ("-8", "8")),
+        (Signed().norm((-8.0, 8.0)), ("\N{MINUS SIGN}8", "8")),
         (LogNorm(0.5 + 1e-12, 1.0), ("0.5", "1")),  # one contact, whose push is 1
         (LogNorm(0.09004, 23.0 / 12.0), ("0.09", "1.92")),  # 0.1 would lie upon the end
-        (LogNorm(2.999e-7, 30.0), ("3e-07", "30")),
+        (LogNorm(2.999e-7, 30.0), ("3e\N{MINUS SIGN}07", "30")),
     ],
 )
 def test_the_ends_of_a_logarithmic_colour_bar_are_labelled(
     norm: Normalize, ends: tuple[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With three digits, at its ends; labels are a letter apart. Colours to 8 had -1, 0 and 1 alone."""
+    """With three digits, at its ends; labels are a letter apart. Colours to 8 had -1, 0 and 1 alone.
+
+    Powers of ten inside have the minus sign of formulas; a hyphen stood at the end.
+    """
     bars = colour_bars(monkeypatch)
     shades = mpl.cm.ScalarMappable(norm, "viridis")
     compose("title", [Framed(np.zeros((400, 400, 3), np.uint8), "title", 1.0, "label", shades, "both")])
