@@ -11,6 +11,7 @@
 Under MPI all ranks call these functions together, with the same case, the same folder, the same points.
 """
 
+import reprlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -104,8 +105,10 @@ class Solution:
         )
 
     def __getitem__(self, name: str) -> BodySolution:
-        """The body of that name. Raises KeyError."""
-        return dict(zip(self.case.names, self.bodies, strict=True))[name]
+        """The body of that name. Raises KeyError, with the first names that there are."""
+        if name not in self:
+            raise KeyError(f"{name!r}: there is no such body among {reprlib.repr(self.case.names)}")
+        return self.bodies[self.case.names.index(name)]
 
     def __contains__(self, name: object) -> bool:
         """Whether there is a body of that name."""
@@ -199,10 +202,7 @@ class Solution:
 
 
 def open_run(path: Path | str) -> Run:
-    """Open the folder of a run, without changing anything in it.
-
-    Raises InputError: it is not a run folder.
-    """
+    """Open the folder of a run, without changing anything in it. Raises InputError: it is no run folder."""
     return open_folder(path_of("run", path))
 
 

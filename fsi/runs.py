@@ -12,7 +12,7 @@ from fsi.arrays import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work, require_room
-from fsi.case.load import load_case
+from fsi.case.load import case_data, parse_case
 from fsi.case.sections import Time
 from fsi.errors import InputError
 from fsi.integration.evolution import Evolution, Moment
@@ -22,7 +22,7 @@ from fsi.parallel import on_root
 from fsi.run_folder.alone import alone
 from fsi.run_folder.folder import Commit, RunFolder
 from fsi.run_folder.kept import REMEDY
-from fsi.run_folder.one_case import Changes, changes, require_one_case
+from fsi.run_folder.one_case import Changes, changes, require_one_case, require_same_keys
 from fsi.run_folder.provenance import launch
 
 type Progress = Callable[[StepRecord], None]
@@ -117,7 +117,12 @@ def _resume(folder: Path, progress: Progress, make: MakeEvolution, overrides: Se
 
 def _case_of(run: RunFolder, overrides: Sequence[str]) -> tuple[Case, Changes]:
     """The case of a run as it is to go on, and what that changes. Raises InputError."""
-    case = load_case(run.case, overrides)
+    data = case_data(run.case, overrides)
+    try:
+        case = parse_case(data)
+    except InputError:  # whatever else is wrong with a key that may not change: no other value helps
+        require_same_keys(run.path, run.kept.provenance, data)
+        raise
     changed = changes(run.kept.provenance, case)
     require_one_case(run.path, changed, run.checkpoint.state.t if run.checkpoint else 0.0)
     if "time.end" in changed:

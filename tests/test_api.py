@@ -46,6 +46,8 @@ def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance(tmp_path: Path
     assert [body.name for body in solution] == ["disc"]
     assert "disc" in solution
     assert "wall" not in solution
+    with pytest.raises(KeyError, match=r"'dsc': there is no such body among \('disc',\)"):
+        solution["dsc"]
     # power: the dissipation is the force that the motion needs times its velocity
     assert solution.dissipation == pytest.approx(disc.force[1], rel=1e-9)
     u, p = solution.evaluate([[0.0, 2.100001], [0.0, 1.0], [0.0, 1e-9]])

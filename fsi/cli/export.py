@@ -23,13 +23,14 @@ class ExportFormat(StrEnum):
 def export(
     folder: RunFolder,
     file_format: Annotated[
-        ExportFormat,
+        ExportFormat | None,
         typer.Option(
             "--format",
+            show_default="by the suffix of the file, else vtkhdf",
             help="vtkhdf: the fields of all steps, on their curved cells; xdmf: the same in small straight "
             "cells; csv: the bodies, with their shapes and radii (of a shape, to its farthest point).",
         ),
-    ] = ExportFormat.vtkhdf,
+    ] = None,
     output: Annotated[
         Path | None,
         output_to("A file with that suffix.", "fields.vtkhdf, fields.xdmf or all_bodies.csv in its folder"),
@@ -51,12 +52,13 @@ def export(
         ExportFormat.xdmf: "fields.xdmf",
         ExportFormat.csv: "all_bodies.csv",
     }
-    path = output or folder / names[file_format]
+    wanted = file_format or _of_suffix(output)
+    path = output or folder / names[wanted]
 
     def write() -> str:
         run = open_run(folder)
         require_writable(path)
-        match file_format:
+        match wanted:
             case ExportFormat.vtkhdf:
                 return f"{write_vtkhdf(run, path)} steps"
             case ExportFormat.xdmf:
@@ -65,3 +67,9 @@ def export(
                 return f"{write_bodies(run, path)} rows"
 
     tell(f"wrote {path}, {parallel.on_root(write)}")
+
+
+def _of_suffix(output: Path | None) -> ExportFormat:
+    """The format whose suffix a file has, vtkhdf where there is none."""
+    suffix = "" if output is None else output.suffix.removeprefix(".")
+    return ExportFormat(suffix) if suffix in ExportFormat else ExportFormat.vtkhdf

@@ -16,7 +16,9 @@ from typing import Annotated
 from fsi.cli.loading import loading
 
 DEFECT, INTERRUPTED = 70, 130
-GOES_ON = "a run goes on with fsi resume, a calibration or sweep when repeated"
+_BROKEN_OFF = dict.fromkeys(("run", "resume"), "; a run goes on with fsi resume") | dict.fromkeys(
+    ("calibrate", "sweep"), "; it goes on when repeated"
+)
 
 try:
     with loading():
@@ -29,7 +31,7 @@ try:
         from fsi.errors import FsiError, InputError
         from fsi.machine.signals import Ended, heard
 except KeyboardInterrupt:
-    sys.stderr.write(f"error: interrupted; {GOES_ON}\n")
+    sys.stderr.write("error: interrupted\n")
     sys.exit(INTERRUPTED)
 
 
@@ -112,13 +114,18 @@ def _words(error: BaseException) -> tuple[str, int]:
         case typer.TyperException():
             return f"error: {_usage(error)}", 2
         case KeyboardInterrupt():
-            return f"error: interrupted; {GOES_ON}", INTERRUPTED
+            return f"error: interrupted{_goes_on()}", INTERRUPTED
         case Ended():
-            return f"error: ended by {error.signal}; {GOES_ON}", error.exit_code
+            return f"error: ended by {error.signal}{_goes_on()}", error.exit_code
     lacking = explain(error)
     if lacking is not None:
         return f"error: {lacking}", lacking.exit_code
     return f"error: {_defect(error)}", DEFECT
+
+
+def _goes_on() -> str:
+    """How what has been broken off goes on, of commands that keep what they have done."""
+    return "".join(_BROKEN_OFF.get(word, "") for word in sys.argv[1:2])
 
 
 def _defect(error: BaseException) -> str:

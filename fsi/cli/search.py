@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,7 +17,6 @@ from fsi.files import json_text
 from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
-    from fsi.case.case import Case
     from fsi.studies.search import KeyTrial
 
 EXAMPLE = (
@@ -110,13 +110,18 @@ def _trial(data: Callable[[float], dict[str, Any]], key: str, value: float, quan
     from fsi.studies.evaluate import require_quantity
     from fsi.studies.search import trial_of
 
-    def changed() -> Case:
-        case = parse_case(data(value))
-        require_quantity(case, quantity)
-        return case
+    with _told_with(key, value):
+        case = parallel.on_root(lambda: parse_case(data(value)))
+    parallel.on_root(lambda: require_quantity(case, quantity))
+    with _told_with(key, value):
+        return trial_of(case, value, quantity)
 
+
+@contextmanager
+def _told_with(key: str, value: float) -> Iterator[None]:
+    """Errors begin with the key that is varied and its value, unless they tell of it."""
     try:
-        return trial_of(parallel.on_root(changed), value, quantity)
+        yield
     except (InputError, SolveError) as error:
         said = str(error)
         raise type(error)(said if said.startswith(key) else f"{key} = {value!r}: {said}") from error

@@ -80,10 +80,15 @@ def time_at(gap: float, t: Array, gaps: Array, kinks: Sequence[float] = ()) -> t
 
 def _require_passed(gap: float, gaps: Array) -> None:
     """Raise InputError if no step ends with that gap or less, or if the run begins with less."""
-    here, smallest = f"{TIME_AT_GAP}{gap:g}", gaps.min()
-    if smallest > gap and smallest < gaps[-1]:
-        found = f"the smallest gap at its steps is {smallest:.4g}"
-        raise InputError(f"{here}: {found}, and it opens at the end; give a wider gap or output.interval")
+    here, least = f"{TIME_AT_GAP}{gap:g}", int(gaps.argmin())
+    smallest = gaps[least]
+    if gap < smallest < gaps[-1]:
+        found = f"the smallest gap at its steps is {smallest:.4g}, and it opens at the end"
+        # A parabola of ln gap through that step and those beside it falls below by less than it rises to
+        # them, unless one step is 4.8 times as long as the other.
+        between = gap > smallest**2 / gaps[max(least - 1, 0) : least + 2].max()
+        remedy = " or a shorter output.interval" if between else ", or bodies that come nearer"
+        raise InputError(f"{here}: {found}; give a wider gap{remedy}")
     if smallest > gap:
         raise InputError(f"{here}: the smallest gap of the run is {smallest:.3g}; raise time.end")
     if gaps[0] < gap:

@@ -68,6 +68,20 @@ def changes(kept: Mapping[str, Any], case: Case) -> Changes:
 
 def require_one_case(folder: Path, changed: Changes, t: float) -> None:
     """Raise InputError of changes that a run at time t does not allow; the message names their keys."""
+    _require_may_change(folder, changed)
+    end = changed.get("time.end", (None, t))[1]
+    if not isinstance(end, float | int) or end < t:
+        raise InputError(f"time.end = {toml_text(end)}: the run is at t = {t:g} already; give a later end")
+
+
+def require_same_keys(folder: Path, kept: Mapping[str, Any], data: Mapping[str, Any]) -> None:
+    """Raise InputError where data of a case, sound or not, differ from the kept one in a key that stays."""
+    now: Any = json.loads(json.dumps(data, default=str))
+    _require_may_change(folder, dict(_differences(kept["case"], now, "")))
+
+
+def _require_may_change(folder: Path, changed: Changes) -> None:
+    """Raise InputError of changes of other keys than those that may; the message names them."""
     refused = [
         f"{key} = {_text(old)} -> {_text(new)}"
         for key, (old, new) in changed.items()
@@ -80,9 +94,6 @@ def require_one_case(folder: Path, changed: Changes, t: float) -> None:
             f"{', '.join(refused[:_NAMED])}{more}; put the old values back, or run the changed case into "
             f"another folder; only {', '.join(MAY_CHANGE[:-1])} and {MAY_CHANGE[-1]} may change"
         )
-    end = changed.get("time.end", (None, t))[1]
-    if not isinstance(end, float | int) or end < t:
-        raise InputError(f"time.end = {toml_text(end)}: the run is at t = {t:g} already; give a later end")
 
 
 def require_as_written(folder: Path, kept: Mapping[str, Any], case_file: Path) -> None:

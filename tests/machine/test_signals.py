@@ -113,10 +113,16 @@ def test_no_library_takes_the_signals() -> None:
 def test_the_command_says_in_one_line_what_ended_it(
     capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fsi.cli.cases.load", lambda *_: signal.raise_signal(signal.SIGTERM))
-    assert fsi_command("check", "case.toml") == 143
-    line = "error: ended by SIGTERM; a run goes on with fsi resume, a calibration or sweep when repeated\n"
-    assert capfd.readouterr().err == line
+    """And how it goes on, where it does: a check was told of runs and sweeps."""
+    for load in ("cases.load", "run.load", "calibrate.load_with_flow"):
+        monkeypatch.setattr(f"fsi.cli.{load}", lambda *_: signal.raise_signal(signal.SIGTERM))
+    for command, goes_on in {
+        "check": "",
+        "run": "; a run goes on with fsi resume",
+        "calibrate": "; it goes on when repeated",
+    }.items():
+        assert fsi_command(command, "case.toml") == 143
+        assert capfd.readouterr().err == f"error: ended by SIGTERM{goes_on}\n"
 
 
 def test_runs_of_a_study_end_with_what_breaks_it_off(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

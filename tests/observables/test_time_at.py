@@ -54,9 +54,15 @@ def test_the_time_at_a_gap_that_comes_to_rest_lies_in_its_step() -> None:
     assert abs(found - 0.6) < min(error, 2e-3)
     assert 1e12 * time_at(0.17, 1e-12 * s, gaps)[0] == pytest.approx(found, rel=1e-9)  # whatever the unit
     with pytest.raises(
-        InputError, match=r"steps is 0\.1692, and it opens at the end; give a wider gap or out"
+        InputError, match=r"steps is 0\.1692, and it opens at the end; give a wider gap or a shorter out"
     ):
         time_at(0.1667, s, gaps)
+    # 0.1692^2 over the higher gap beside it, 0.2951, is 0.0970: no step that is stored between changes that.
+    for far in (0.096, 0.03):
+        with pytest.raises(InputError, match=r"at the end; give a wider gap, or bodies that come nearer"):
+            time_at(far, s, gaps)
+    with pytest.raises(InputError, match=r"give a wider gap or a shorter output\.interval"):
+        time_at(0.098, s, gaps)
 
 
 def test_the_time_at_a_gap_before_contact() -> None:

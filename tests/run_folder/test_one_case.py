@@ -48,7 +48,15 @@ CHANGES: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     "radius": (lambda c: c["bodies"][0].update(radius=1.25), r"bodies\.0\.radius = 1\.0 -> 1\.25;"),
     "viscosity": (lambda c: c["fluid"].update(viscosity=2.0), r"fluid\.viscosity = 1\.0 -> 2\.0;"),
     "a body less": (lambda c: c["bodies"].pop(), r"bodies = 2 sections -> 1 sections;"),
-    "a load more": (lambda c: c["bodies"][1].update(force=[0.0, "x"]), r"must be a valid number"),
+    "no load": (
+        lambda c: c["bodies"][0].update(force=["x"]),
+        r"\.force = \[1\.0, -20\.0\] -> \[\"x\"\]; put",
+    ),
+    "bodies that overlap": (lambda c: c["bodies"][0].update(radius=20.0), r"\.radius = 1\.0 -> 20\.0; put"),
+    "an end that is none": (
+        lambda c: c["time"].update(end="x"),
+        r"time\.end = \"x\": must be a valid number",
+    ),
     "a mass more": (
         lambda c: c["bodies"][0].update(mass=1.0, moment_of_inertia=0.5),
         r"bodies\.0\.mass = none -> 1\.0, bodies\.0\.moment_of_inertia = none -> 0\.5;",

@@ -6,6 +6,7 @@ import json
 import math
 import runpy
 from collections.abc import Callable
+from itertools import islice
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ import pytest
 from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.studies.evaluate import require_quantity
-from fsi.studies.search import PARTS, KeyTrial, Search, trial_of
+from fsi.studies.search import JUMPS, PARTS, KeyTrial, Search, trial_of
 from tests.commands import fsi_command
 
 ROOT = Path(__file__).parents[2]
@@ -62,10 +63,40 @@ def test_out_of_reach_is_refused_with_the_range() -> None:
         wanted.found()
 
 
-def test_a_jump_over_the_target_does_not_reach_it() -> None:
-    wanted = search(lambda x: 0.0 if x < 0.3 else 1.0, 0.0, 1.0, 0.5, 0.1)
+def test_a_jump_over_the_target_is_refused_by_its_place() -> None:
+    """It jumps at 0.3 by 1 and at 0.7 by 1 - x/2 = 0.65; of both the smaller one is told.
+
+    It was called out of reach from 0 to 1, with the advice to give a target between them.
+    """
+    wanted = search(lambda x: 1.0 - 0.5 * x if 0.3 < x < 0.7 else 0.0, 0.0, 1.0, 0.5, 0.1)
     list(wanted.trying())
-    with pytest.raises(InputError, match="not reached"):
+    told = r"jumps over it, from 0\.65 to 0 at key = 0\.7, in \d+ trials; give a target outside of the jump"
+    with pytest.raises(InputError, match=told):
+        wanted.found()
+
+
+def test_between_other_neighbours_than_those_at_a_jump() -> None:
+    """-2 jumps to 1 at 0.3; from there on 1 - 4 (x - 0.3) has 0.5 at 0.425: the search ended at the jump."""
+    wanted = search(lambda x: -2.0 if x < 0.3 else 1.0 - 4.0 * (x - 0.3), 0.0, 1.0, 0.5, 1e-6)
+    list(wanted.trying())
+    assert wanted.found().value == pytest.approx(0.425, abs=1e-6)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e9])
+def test_a_search_over_many_jumps_ends(scale: float) -> None:
+    """Eleven of them; each costs some forty trials, and with 1 in 1e9 Brent's method ends by rounding."""
+    wanted = search(lambda x: float(int(11.0 * (x - scale)) % 2), scale, scale + 1.0, 0.5, 0.1)
+    list(islice(wanted.trying(), 100))
+    with pytest.raises(InputError, match=r"jumps over it, from (0 to 1|1 to 0)"):
+        wanted.found()
+    assert len(wanted.trials) < PARTS + 1 + JUMPS * 50
+
+
+def test_whole_numbers_that_pass_by_the_target() -> None:
+    """3 k is nowhere in 10 +- 0.4; nearest is 9, of what goes from 3 to 12."""
+    wanted = search(lambda k: 3.0 * k, 1, 4, 10.0, 0.4)
+    list(wanted.trying())
+    with pytest.raises(InputError, match=r"comes to 9 at key = 3 in 4 trials and no nearer; give fewer"):
         wanted.found()
 
 
@@ -109,6 +140,18 @@ def test_mistakes_are_one_line(vary: str, target: str, words: str, capfd: pytest
     assert (code, said.out) == (2, "")
     assert words in said.err
     assert said.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("quantity", "words"), [("nope", "no such number; give"), ("disc 9.torque", "there is no such body; the")]
+)
+def test_a_quantity_that_there_is_not_is_not_the_fault_of_the_key(
+    quantity: str, words: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The line began with the key and its first value, which are right."""
+    given = ["--quantity", quantity, "--target", "1", "--vary", "fluid.viscosity=1,2"]
+    assert fsi_command("search", CASES / "disc_in_box.toml", *given) == 2
+    assert capfd.readouterr().err.startswith(f"error: --quantity {quantity}: {words}")
 
 
 def test_a_change_of_the_key_that_is_sought_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
