@@ -28,7 +28,7 @@ def _files(room: str) -> tuple[str, ...]:
 
 
 class Registry[S: Section]:
-    """The sections of one place, in the order of registration.
+    """The sections of one place, in the order of their files and, in one, of registration.
 
     Attributes:
         key: whose words messages list.

@@ -125,7 +125,8 @@ def dimension_of(geometry: Geometry) -> int:
 def require_components[T](vector: tuple[T, ...], number: int, what: str) -> tuple[T, ...]:
     """The vector, if it has that many components. Raises ValueError."""
     if len(vector) != number:
-        raise ValueError(f"{what} has {len(vector)} components where this geometry has {number}")
+        components = "component" if len(vector) == 1 else "components"
+        raise ValueError(f"{what} has {len(vector)} {components} where this geometry has {number}")
     return vector
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,6 +15,7 @@ from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load, option, outp
 from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
+    from fsi.case.case import Case
     from fsi.integration.state import StepRecord
     from fsi.report.progress import ProgressBar
     from fsi.runs import MakeEvolution, Outcome
@@ -87,7 +88,6 @@ def _follow(
     quiet: bool,
 ) -> None:
     """Show the progress of a run, and say how it ended and what to look at it with; quiet: only notes."""
-    from fsi.case.case import Case
     from fsi.case.load import load_case
     from fsi.integration.evolution import Evolution
     from fsi.models import make_evolution
@@ -103,16 +103,23 @@ def _follow(
         outcome = launch(bar.show, make)
     if not parallel.is_root():
         return
-    rows = complete_rows(folder)  # of the whole run: what was resumed counts as well
+    rows, case = complete_rows(folder), load_case(folder / CASE)  # of the whole run, resumed or not
     if not quiet:
         _tell_end(folder, outcome, bar, rows)
-        fields = load_case(folder / CASE).output.fields
-        look = ["fsi", "render" if fields else "plot", str(folder)]
+        look = ["fsi", "render" if case.output.fields else "plot", str(folder)]
         typer.echo(f"look at it with: {shlex.join(look)}")
+    for note in notes(case, rows):
+        typer.echo(note)
+
+
+def notes(case: Case, rows: list[dict[str, float]]) -> Iterator[str]:
+    """What is said at the end of a run with these steps."""
     for column, note in NOTES.items():
+        if column == "solid_contacts" and case.gluey.roughness is None:
+            continue  # contact is solid at gamma_min, as was asked for
         since = next((row["t"] for row in rows if row.get(column, 0.0) > 0.0), None)
         if since is not None:
-            typer.echo(f"note: from t = {since:g} {note}; see {column} in steps.csv")
+            yield f"note: from t = {since:g} {note}; see {column} in steps.csv"
 
 
 def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar, rows: list[dict[str, float]]) -> None:

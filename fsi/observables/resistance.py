@@ -22,8 +22,10 @@ FACTORISATION = 1e-11
 # Errors of entries, velocities or loads may cancel, in the estimate by chance more than in truth: it is known
 # to this part of the largest.
 KNOWN_TO = 0.03
-# A positive matrix of unit diagonal has no eigenvalue below this part of its largest.
-ROUNDING = 1e-12
+# What is left of an entry over sqrt(R_ii R_jj) as it is summed, if all else is exact.
+LAST_DIGIT = 2.0 * float(np.finfo(float).eps)
+# Of an eigenvalue of unit diagonal below this part of the largest no digit is known.
+ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,8 +126,8 @@ def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
     Signs are looked at with a unit diagonal (Sylvester's law of inertia): modes may differ by 1e16.
 
     resting: whether a wall is at rest. If not, rigid motions of everything cost nothing, and their
-    eigenvalues are zero but for rounding. Raises SolveError: one is negative, or zero although a wall is at
-    rest.
+    eigenvalues are zero but for rounding. Raises SolveError: one is negative, or zero to rounding although a
+    wall is at rest. That of bodies in touch which move as one is some (gap / a)^3/2.
     """
     size = np.sqrt(np.maximum(np.diag(R), scale**2))
     of_unit_diagonal = np.linalg.eigvalsh(R / np.outer(size, size))
@@ -133,7 +135,7 @@ def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
     if not of_unit_diagonal[0] > bound * max(1.0, of_unit_diagonal[-1]):
         least, most = f"{of_unit_diagonal[0]:.2g}", f"{of_unit_diagonal[-1]:.2g}"
         what = f"with a unit diagonal it has the eigenvalue {least}, the largest is {most}"
-        raise RefusedError(f"the resistance matrix is not positive: {what}")
+        raise RefusedError(f"the resistance matrix is not positive to rounding: {what}")
     if not resting:
         return np.asarray(np.linalg.eigvalsh(R / np.outer(scale, scale)))
     # One-sided Jacobi on the factor keeps the digits of small ones, in a corner 1e-16 of the largest.
@@ -170,7 +172,8 @@ def estimated_errors(
     rounding: the part of a result that rounding of gaps makes (see `fsi.observables.bars.rounding_of`).
 
     R and its error are positive matrices, so that |E_ij| <= sqrt(E_ii E_jj), of the mobility likewise: that
-    is the scale of what cancels in E_ij.
+    is the scale of what cancels in E_ij. The mobility M is known to |M| |dR| |M| at best, dR what rounding
+    leaves of R: of two bodies that nearly touch they move as one by the difference of large entries.
     """
 
     def bound(A: Array, compared: Sequence[tuple[float, Array]]) -> Array:
@@ -183,6 +186,7 @@ def estimated_errors(
     of_mobility = None
     inverses = [(factor, other.mobility) for factor, other in others if other.mobility is not None]
     if found.mobility is not None and len(inverses) == len(others):
-        of_mobility = bound(found.mobility, inverses)
+        reach = np.abs(found.mobility) @ np.sqrt(np.diag(found.R))
+        of_mobility = np.maximum(bound(found.mobility, inverses), LAST_DIGIT * np.outer(reach, reach))
     largest = sum(factor * difference(found.R, other.R, found.modes.scale) for factor, other in others)
     return ResistanceErrors(bound(found.R, [(f, other.R) for f, other in others]), of_mobility, largest)

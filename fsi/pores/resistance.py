@@ -90,11 +90,12 @@ def case_resistance(case: Case) -> Resistance:
     columns, residual = _schur_complement(system)
     seconds = {"assemble": assembled - began, "solve": process_time() - assembled}
     labels = matrix.all_modes(case.names, q.radii, system.viscosity, 2)
+    remedy = 'widen the narrowest gaps, or give model = "resolved"'
     try:
         R, asymmetry = matrix.symmetrised(columns, labels.scale)
+        remedy = "widen the narrowest gaps"  # what R cannot hold it cannot hold of elements either
         eigenvalues = matrix.positive_eigenvalues(R, labels.scale, resting=True)
     except RefusedError as error:
-        remedy = 'widen the narrowest gaps, or give model = "resolved"'
         raise RefusedError(f'model = "pores": {error}; {remedy}') from None
     checks = {"residual": residual, "reciprocity": asymmetry}
     size = (system.unknowns, len(system.pores))

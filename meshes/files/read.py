@@ -61,26 +61,31 @@ def _read_gmsh(path: Path) -> meshio.Mesh:
     """The file as meshio gives it; what meshio prints is dropped."""
     import meshio  # takes a tenth of a second to load
 
+    unread = MeshFileError("cannot be read; give a .msh file written by gmsh")
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
-            return meshio.gmsh.read(path)
+            mesh = meshio.gmsh.read(path)
     except Exception as error:  # a damaged file makes meshio raise errors of many kinds
-        raise MeshFileError("cannot be read; give a .msh file written by gmsh") from error
+        raise unread from error
+    if not mesh.cells:  # of some a head is enough for it
+        raise unread
+    return mesh
 
 
 def _cells(mesh: meshio.Mesh, names: Sequence[str], domain: FluidDomain, order: int) -> CurvedCells:
     """The cells of a file, with tags in our numbers: 1 + the place in `names`, of bodies and walls."""
+    curves = _physical_curves(mesh, names)
     kinds = [k for k, name in enumerate(TRIANGLES) if name in mesh.cells_dict]
     if len(kinds) != 1:
+        has = "triangles of several orders" if kinds else "no triangles"
         raise MeshFileError(
-            f"has {len(kinds)} kinds of triangles; make the fluid a physical surface, of order 1 to "
-            f"{len(TRIANGLES)}"
+            f"has {has}; make the fluid a physical surface, of one order, 1 to {len(TRIANGLES)}"
         )
     degree = kinds[0] + 1
     if degree > order:
         raise MeshFileError(f"has triangles of order {degree}; give discretisation.degree = {degree} or more")
     triangles = mesh.cells_dict[TRIANGLES[kinds[0]]].astype(np.int64)
-    edges, tags = _tagged_edges(mesh, LINES[kinds[0]], names)
+    edges, tags = _tagged_edges(mesh, LINES[kinds[0]], curves)
     used, numbers = np.unique(triangles, return_inverse=True)
     renumber = np.full(len(mesh.points), -1)
     renumber[used] = np.arange(len(used))
@@ -98,16 +103,24 @@ def _cells(mesh: meshio.Mesh, names: Sequence[str], domain: FluidDomain, order: 
     return curve(StraightCells(nodes, triangles, edges, tags), circles, order)
 
 
-def _tagged_edges(mesh: meshio.Mesh, kind: str, names: Sequence[str]) -> tuple[Indices, Indices]:
-    """Ends of the edges in the physical curves of these names, and the place of each name + 1."""
+def _physical_curves(mesh: meshio.Mesh, names: Sequence[str]) -> dict[str, int]:
+    """The number of the physical curve of each of these names. Raises MeshFileError: there is none."""
     curves = {name: tag for name, (tag, dimension) in mesh.field_data.items() if dimension == 1}
+    for name in names:
+        if name not in curves:
+            raise MeshFileError(f"has no physical curve named {name}; it has {', '.join(curves) or 'none'}")
+    return {name: curves[name] for name in names}
+
+
+def _tagged_edges(mesh: meshio.Mesh, kind: str, curves: dict[str, int]) -> tuple[Indices, Indices]:
+    """Ends of the edges in these physical curves, and the place of the curve of each + 1."""
     edges = mesh.cells_dict.get(kind, np.empty((0, 2), dtype=int))[:, :2].astype(np.int64)
     physical = mesh.cell_data_dict.get("gmsh:physical", {}).get(kind, np.empty(0, dtype=int))
     tags = np.zeros(len(edges), dtype=np.int64)
-    for k, name in enumerate(names):
-        if name not in curves or not np.any(physical == curves[name]):
-            raise MeshFileError(f"has no physical curve named {name}; it has {', '.join(curves) or 'none'}")
-        tags[physical == curves[name]] = k + 1
+    for k, (name, number) in enumerate(curves.items()):
+        if not np.any(physical == number):
+            raise MeshFileError(f"has no edges in the physical curve {name}; put those of {name} there")
+        tags[physical == number] = k + 1
     return edges[tags > 0], tags[tags > 0]
 
 

@@ -37,10 +37,9 @@ from fsi.meshes.spatial.grading import edge_sizes
 from fsi.meshes.spatial.sides import Sides
 
 LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 10.0
-ELONGATED, NARROWEST = (
-    1.5,
-    0.02,
-)  # of gaps without prisms: cells' lengths, and the least width over a half axis
+# Of gaps without prisms: cells' lengths, and the least width over a half axis, which cases are checked for.
+# As a gap is a difference, one that was meant to be as wide may be less by rounding.
+ELONGATED, NARROWEST = 1.5, 0.02 * (1.0 - 1e-9)
 
 
 def in_gap(gap: Array | float, radius: Array | float, resolution: Resolution) -> Array:

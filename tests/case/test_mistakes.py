@@ -51,7 +51,7 @@ BAD = [
     ("discretisation.formulation", "saddle", ['"eliminated" or "multiplier"']),
     ("geometry", "spherical", ["planar"]),
     ("domain.lower", [9.0, 0.0], ["domain.upper"]),
-    ("domain.upper", [8.0], ["has 1 components where this geometry has 2"]),
+    ("domain.upper", [8.0], ["a corner has 1 component where this geometry has 2"]),
     ("domain.upper", [8.0, math.inf], ["finite"]),
     ("domain.radius", 1.0, ["unknown key"]),
     ("domain.shape", "disc", ['"disc"', f"give {Walled.registry.choices}"]),
@@ -84,7 +84,7 @@ BAD = [
     (
         "domain.walls.top",
         {"slip_length": 0.1, "velocity": [1.0]},
-        ["domain.walls", "of top has 1 components"],
+        ["domain.walls", "of top has 1 component where"],
     ),
     ("domain.walls.top", {"slip_length": 0.1, "velocity": [0.0, 1.0]}, ["net flux", "16"]),
     ("bodies.0.position", [0.0, 1.0], ["[0.0, 1.0]", "'bottom'", "gap 0"]),

@@ -11,12 +11,28 @@ from fsi.case.case import Case
 from fsi.case.checks.own_mesh import check_mesh_file
 from fsi.case.load import parse_case, saved_data
 from fsi.errors import InputError
+from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.write import write_mesh
 from fsi.meshes.resolution import Resolution
+from fsi.stokes.meshes import CaseMeshes
 from tests.case_data import changed
 from tests.cli.test_commands import complaint
 from tests.flows import BOX, disc_over_plane, mesh
 
+# Two nodes and the line between them, without a name.
+LINE = b"""$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+2
+1 0 0 0
+2 1 0 0
+$EndNodes
+$Elements
+1
+1 1 2 1 1 1 2
+$EndElements
+"""
 WALLS = ("left", "right", "bottom", "top")
 DISC: dict[str, Any] = {"name": "disc", "radius": 1.0, "position": [0.0, 1.1], "velocity": [0.0, 0.0]}
 
@@ -31,7 +47,7 @@ def box_with(path: Path) -> dict[str, Any]:
 
 
 def names(path: Path, curves: tuple[str, ...]) -> Path:
-    """A mesh file as far as its names, as gmsh writes them in all its versions; its nodes are binary."""
+    """A mesh file as far as its elements, as gmsh writes names in all its versions; its nodes are binary."""
     lines = [f'1 {k} "{name}"' for k, name in enumerate(curves, 1)] + ['2 9 "fluid"']
     head = [
         "$Comments",
@@ -44,7 +60,8 @@ def names(path: Path, curves: tuple[str, ...]) -> Path:
         str(len(lines)),
         *lines,
     ]
-    path.write_bytes("\n".join([*head, "$EndPhysicalNames", "$Nodes", ""]).encode() + bytes(range(256)))
+    nodes = "\n".join([*head, "$EndPhysicalNames", "$Nodes", ""]).encode() + bytes(range(256))
+    path.write_bytes(nodes + b"\n$EndNodes\n$Elements\n")
     return path
 
 
@@ -72,14 +89,21 @@ def test_names_that_are_missing_are_told(tmp_path: Path) -> None:
     ("content", "words"),
     [
         (b"solid", "cannot be read; give a .msh file written by gmsh"),
-        (b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "has no physical curve named disc; it has none"),
+        (b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "cannot be read; give a .msh file written by gmsh"),
+        (b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "cannot be read; give a .msh file written by gmsh"),
+        (LINE, "has no physical curve named disc; it has none"),
     ],
 )
 def test_files_without_names(content: bytes, words: str, tmp_path: Path) -> None:
+    """`fsi check`, which knows names alone, and whoever reads the cells say the same."""
     path = tmp_path / "own.msh"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=rf"^domain\.mesh = .*own\.msh: {words}$"):
-        check_mesh_file(own(path))
+    case = own(path)
+    with pytest.raises(InputError, match=rf"^domain\.mesh = .*own\.msh: {words}$") as checked:
+        check_mesh_file(case)
+    with pytest.raises(MeshFileError) as read:
+        CaseMeshes(case).mesh(case.configuration(), 0.0)
+    assert str(read.value) == str(checked.value)
 
 
 def test_bodies_that_move_are_refused_only_if_there_is_a_time(tmp_path: Path) -> None:

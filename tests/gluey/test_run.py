@@ -9,6 +9,7 @@ import pytest
 import fsi
 from fsi.case.case import Case
 from fsi.case.load import load_case
+from fsi.cli.run import notes
 from fsi.errors import InputError, SolveError
 from fsi.models import make_evolution
 from fsi.runs import resume
@@ -16,6 +17,7 @@ from fsi.runs import run as run_case
 from tests.small_run import break_off, contents, rows
 
 CASES = Path(__file__).parents[2] / "cases"
+ROUGH = "{eps=0.1, reference_gap=0.1, roughness=0.01}"
 SMALL = {
     "gluey/two_discs.toml": ("time.end=3", "time.step=0.05", "output.interval=0.5"),
     "macroscopic/blocks.toml": (
@@ -223,7 +225,7 @@ def test_a_case_says_where_films_are_thinner_than_the_roughness(tmp_path: Path) 
 
     from fsi.cli.main import app
 
-    rough = ["gluey.eps=0.1", "gluey.reference_gap=0.1", "gluey.roughness=0.01", "time.end=2"]
+    rough = [f"gluey={ROUGH}", "time.end=2"]
     overrides = [part for text in rough for part in ("--set", text)]
     case = str(CASES / "gluey" / "two_discs.toml")
     said = CliRunner().invoke(app, ["run", case, "-o", str(tmp_path / "run"), *overrides]).output
@@ -232,6 +234,13 @@ def test_a_case_says_where_films_are_thinner_than_the_roughness(tmp_path: Path) 
     assert "delta_eps < delta" in said
     later = CliRunner().invoke(app, ["resume", str(tmp_path / "run"), "--set", "time.end=2.1"]).output
     assert f"note: from t = {float(first):g} films are thinner" in later  # of the run, not of its last part
+
+
+@pytest.mark.parametrize(("law", "said"), [("{gamma_min=-0.1}", 0), (ROUGH, 1)])
+def test_only_a_roughness_is_compared_with_films(law: str, said: int) -> None:
+    """Contact that is solid at gamma_min is as was asked for."""
+    case = load_case(CASES / "gluey" / "two_discs.toml", [f"gluey={law}"])
+    assert len(list(notes(case, [{"t": 0.5, "solid_contacts": 1.0}]))) == said
 
 
 def test_gaps_in_contact_are_zero_and_wide_ones_are_known(tmp_path: Path) -> None:

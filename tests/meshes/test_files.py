@@ -241,8 +241,19 @@ def test_a_mesh_without_triangles_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "lines.msh"
     nodes, edge = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]), np.array([[0, 1]])
     tags = {"gmsh:physical": [np.array([1])], "gmsh:geometrical": [np.array([1])]}
-    meshio.write(path, meshio.Mesh(nodes, [("line", edge)], cell_data=tags), file_format="gmsh22")
-    assert "has 0 kinds of triangles" in refused(path)
+    names = {name: np.array([k, 1]) for k, name in enumerate(("disc", *BOX.walls), 1)}
+    lines = meshio.Mesh(nodes, [("line", edge)], cell_data=tags, field_data=names)
+    meshio.write(path, lines, file_format="gmsh22")
+    assert "has no triangles; make the fluid a physical surface, of one order, 1 to 6" in refused(path)
+    corners = meshio.CellBlock("triangle", np.array([[0, 1, 1]]))
+    lines.cells.append(corners)
+    lines.cell_data = {key: [np.array([1])] * 2 for key in tags}
+    meshio.write(path, lines, file_format="gmsh22")
+    assert "has no edges in the physical curve left; put those of left there" in refused(path)
+    lines.cells.append(meshio.CellBlock("triangle6", np.array([[0, 1, 1, 0, 1, 0]])))
+    lines.cell_data = {key: [np.array([1])] * 3 for key in tags}
+    meshio.write(path, lines, file_format="gmsh22")
+    assert "has triangles of several orders; make the fluid a physical surface, of one" in refused(path)
 
 
 @pytest.mark.parametrize("name", ["pair.unknown", "pair", "pair.stl"])

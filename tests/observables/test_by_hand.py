@@ -71,7 +71,7 @@ def test_a_resistance_matrix_is_symmetric_to_1e9_or_refused() -> None:
 @pytest.mark.parametrize(
     ("smallest", "resting", "sound"),
     [
-        (1e-10, True, True),  # gaps of 1e-6 radii
+        (2e-14, True, True),  # gaps of 1e-8 radii in the largest containers
         (0.0, True, False),
         (-1e-10, True, False),
         (-1e-10, False, True),  # rounding of a motion that costs nothing

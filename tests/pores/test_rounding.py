@@ -37,6 +37,31 @@ def test_slides_and_rolls_by_two_narrow_gaps_keep_their_digits(gap: float) -> No
     assert R[1] == pytest.approx(6.0 * np.sqrt(2.0) * np.pi * gap**-1.5, rel=3e-5)
 
 
+def test_a_pair_that_nearly_touches_has_a_mobility() -> None:
+    """Pushed along the line of centres both move as one, as solved for at 1e-8, where all digits are there.
+
+    With a unit diagonal R has the eigenvalue r / (3 pi mu (a / gap)^3/2) for that, 1.4e-12, r the resistance
+    of both together; the largest is 3. It was refused below 1e-12 of that; rounding hides some 1e-4 of it.
+    """
+    pair = [
+        {"name": name, "radius": 1.0, "position": [x, 9.0]} for name, x in (("p", 8.0), ("q", 10.0 + 1e-8))
+    ]
+    data = {"name": "t", "model": "pores", "fluid": {"viscosity": 1.0}, "pores": {"modes": 1}}
+    data["domain"] = {"lower": [0.0, 0.0], "upper": [20.0, 18.0]}
+    free = {"velocity": ["free", "free"], "angular_velocity": "free"}
+    pushed = [pair[0] | free | {"force": [1.0, 0.0]}, pair[1] | free]
+    found = resistance_with_error(parse_case(data | {"bodies": pair}))
+    M, bars, R = found.resistance.mobility, found.errors.mobility, found.resistance.R
+    assert M is not None
+    assert bars is not None
+    size = np.sqrt(np.diag(R))
+    least = np.linalg.eigvalsh(R / np.outer(size, size))[0]
+    assert least == pytest.approx(1.0 / (M[0, 0] * 3.0 * np.pi * 1e12), rel=2e-3)
+    U = solve_with_errors(parse_case(data | {"bodies": pushed})).solution.U.ravel()
+    assert np.all(np.abs(M[:, 0] - U) <= bars[:, 0])
+    assert np.all(bars[[0, 3], 0] <= 0.5 * M[0, 0])
+
+
 def test_a_disc_that_is_pulled_along_two_narrow_gaps_moves() -> None:
     """At 1e-8 by its resistance to slides; with pressure that drives a flux this was refused."""
     case = between_walls(1e-8, 0.3, force=[1.0, 0.0])

@@ -64,6 +64,24 @@ def test_every_entry_has_its_error_also_where_rounding_is_all() -> None:
     assert estimated_errors(of_one_disc(None), [(1.5, other)], 0.0).mobility is None
 
 
+def test_bodies_in_touch_move_as_one_by_what_rounding_leaves() -> None:
+    """R = [[k + c, -k, 0], [-k, k + c, 0], [0, 0, c]], k of equal discs at a gap of 1e-8 radii.
+
+    M_00 = (k + c) / (c (2 k + c)), M_00 + M_01 = 1 / c. The other matrix is the same one. The error was 1e-11
+    of M_00, which R leaves unknown to some 1e-5 of itself: it holds k + c to 5e-4, and so the pair's 2 c.
+    """
+    k, c = 1.5 * np.pi * 1e12, 2.0 * np.pi
+    R = np.array([[k + c, -k, 0.0], [-k, k + c, 0.0], [0.0, 0.0, c]])
+    found = replace(of_one_disc(inverse(R)), R=R)
+    errors = estimated_errors(found, [(1.5, found)], 0.0).mobility
+    assert errors is not None
+    assert found.mobility is not None
+    assert errors[0, 0] == pytest.approx(2.0 * np.finfo(float).eps * (k + c) / c**2, rel=1e-3)
+    off = abs(found.mobility[0, 0] - (k + c) / (c * (2.0 * k + c)))
+    assert 1e-7 < off < errors[0, 0]
+    assert errors[2, 2] == pytest.approx(1e-11 / c)
+
+
 def test_scales_make_every_entry_dimensionless() -> None:
     """mu for forces by velocities, mu a for the couplings, mu a^2 for torques; mu a on an axis."""
     outer = np.outer(MODES.scale, MODES.scale)

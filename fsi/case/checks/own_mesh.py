@@ -10,7 +10,8 @@ from fsi.errors import InputError
 from fsi.files import content
 
 _REMEDY = "give a .msh file written by gmsh"
-_FORMAT = re.compile(rb"^\$MeshFormat", re.MULTILINE)  # comments may stand above
+# Lines that begin what every mesh file has; comments may stand above.
+_NEEDED = [re.compile(rb"^\$%b\s" % name, re.MULTILINE) for name in (b"MeshFormat", b"Nodes", b"Elements")]
 # Lines of text in binary files too: dimension, number, name.
 _NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
 _CURVE = re.compile(r'^\s*1\s+\d+\s+"(.*)"\s*$', re.MULTILINE)
@@ -43,7 +44,7 @@ def check_mesh_file(case: Case) -> None:
     if case.dimension == 3:
         raise InputError(f"{here}: a mesh in space cannot be read; drop it")
     text = content(Path(case.domain.mesh), _REMEDY)
-    if not _FORMAT.search(text):
+    if not all(needed.search(text) for needed in _NEEDED):
         raise InputError(f"{here}: cannot be read; {_REMEDY}")
     listed = _NAMES.search(text)
     curves = _CURVE.findall(listed[1].decode(errors="replace")) if listed else []

@@ -1,10 +1,11 @@
 """What bodies that are no discs or spheres, and walls with a shape, can be asked for: the resolved level."""
 
+from collections.abc import Iterator
 from math import pi
 
 import numpy as np
 
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import find_gaps, wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks.walls import check_walls
 from fsi.case.section import toml_text
@@ -17,7 +18,7 @@ def check_shapes(case: Case) -> None:
     check_walls(case)
     if case.domain.profiled:
         _check_walls(case)
-    if not all(sphere is None or sphere.bends_all_ways for sphere in case.container().spheres):
+    if _cylinders(case):
         _check_cylinder(case)
     shaped = next(((i, body.shape) for i, body in enumerate(case.bodies) if body.shape is not None), None)
     if shaped is None:
@@ -48,30 +49,52 @@ def _check_ellipsoids(case: Case, here: str) -> None:
             raise InputError(f"{mass}: there are ellipsoids, whose inertia is not known in space; drop it")
 
 
-def check_gaps_of_ellipsoids(case: Case) -> None:
-    """Raise InputError where a gap is narrower than those that are meshed beside ellipsoids."""
-    q, container = case.configuration(), case.container()
-    if not q.ellipsoids:
+def check_gaps_without_prisms(case: Case) -> None:
+    """Raise InputError where a gap beside ellipsoids, or of spheres to a cylinder, is too narrow to mesh."""
+    ellipsoids = bool(case.configuration().ellipsoids)
+    if not ellipsoids and not _cylinders(case):
         return
     from fsi.meshes.spatial.sizing import NARROWEST  # which other cases do without
 
-    smallest = np.array([form.half_axes.min() for form in q.ellipsoids])
-    gaps = find_gaps(q, container, reach=NARROWEST * float(smallest.max()))
-    narrow = [
-        (int(i), gap, f"wall {container.walls[w]!r}", float(smallest[i]))
-        for (i, w), gap in np.ndenumerate(gaps.wall_gaps)
-    ]
-    narrow += [
-        (int(j), gap, repr(case.names[i]), float(smallest[[i, j]].min()))
-        for (i, j), gap in zip(gaps.pairs, gaps.pair_gaps, strict=True)
-    ]
-    for i, gap, other, least in narrow:
+    size = "smallest half axis" if ellipsoids else "radius"
+    gaps = _gaps_of_ellipsoids(case, NARROWEST) if ellipsoids else _gaps_to_cylinders(case)
+    for i, gap, other, least in gaps:
         if gap < NARROWEST * least:
             here = f"bodies.{i}.position = {toml_text(case.bodies[i].position)}"
             raise InputError(
                 f"{here}: the gap of {case.names[i]!r} to {other} is {gap:.3g}, below {NARROWEST:g} of the "
-                f"smallest half axis, {least:g}; widen it"
+                f"{size}, {least:g}; widen it"
             )
+
+
+# A body, its gap, to whom, and the length that the gap is measured by.
+type _Gap = tuple[int, float, str, float]
+
+
+def _gaps_of_ellipsoids(case: Case, part: float) -> Iterator[_Gap]:
+    """To all walls, and those between bodies up to this part of the largest of the smallest half axes."""
+    q, container = case.configuration(), case.container()
+    smallest = np.array([form.half_axes.min() for form in q.ellipsoids])
+    gaps = find_gaps(q, container, reach=part * float(smallest.max()))
+    for (i, w), gap in np.ndenumerate(gaps.wall_gaps):
+        yield i, gap, f"wall {container.walls[w]!r}", float(smallest[i])
+    for (i, j), gap in zip(gaps.pairs.tolist(), gaps.pair_gaps, strict=True):
+        yield j, gap, repr(case.names[i]), float(smallest[[i, j]].min())
+
+
+def _gaps_to_cylinders(case: Case) -> Iterator[_Gap]:
+    """Of all spheres."""
+    q, container = case.configuration(), case.container()
+    gaps = wall_gaps(q, container)
+    for w in _cylinders(case):
+        for i, radius in enumerate(q.radii.tolist()):
+            yield i, gaps[i, w], f"wall {container.walls[w]!r}", radius
+
+
+def _cylinders(case: Case) -> list[int]:
+    """Which walls are round one way only."""
+    spheres = enumerate(case.container().spheres)
+    return [w for w, sphere in spheres if sphere is not None and not sphere.bends_all_ways]
 
 
 def _check_symmetric(case: Case) -> None:

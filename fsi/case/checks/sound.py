@@ -16,7 +16,7 @@ from fsi.case.checks.lubrication import check_lubrication
 from fsi.case.checks.macroscopic import check_macroscopic
 from fsi.case.checks.pores import check_pores
 from fsi.case.checks.reduced import check_reduced
-from fsi.case.checks.shapes import check_gaps_of_ellipsoids, check_shapes
+from fsi.case.checks.shapes import check_gaps_without_prisms, check_shapes
 from fsi.case.checks.surfaces import check_surfaces
 from fsi.case.checks.time import check_time
 from fsi.case.section import refusal, toml_text
@@ -73,7 +73,7 @@ def _check_fluid(case: Case) -> None:
         case.domain.require_fluid()
     _check_discretisation(case)
     _check_room(case)
-    check_gaps_of_ellipsoids(case)
+    check_gaps_without_prisms(case)
     check_flux(case)
     check_determined(case)
 
