@@ -12,6 +12,8 @@ from fsi.case.checks.surfaces import slip_lengths
 from fsi.case.section import refusal, toml_text
 from fsi.case.sections import Calibration
 from fsi.errors import InputError
+from fsi.lubrication.expansions import pair_series
+from fsi.lubrication.fitting import FREE
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.wall_feet import wall_feet
@@ -34,6 +36,7 @@ def pair_of(case: Case) -> Pair:
     _check_mode(pair)
     _check_tips(pair)
     _check_surroundings(case)
+    _check_reach(pair)
     pair.require_resolved()
     for gap in plan.range:
         pair.require_gap(gap)
@@ -128,6 +131,17 @@ def _check_tips(pair: Pair) -> None:
         raise _refusal(plan, "laws of bodies on an axis are those of smooth ones; drop the tip")
     if len(set(sharpness(case, plan.pair[1]))) > 1:
         raise _refusal(plan, "between a tip and what is curved there are more powers; give a plane wall")
+
+
+def _check_reach(pair: Pair) -> None:
+    """A series of a known exponent has samples where it converges; the table has them anywhere."""
+    plan = pair.plan
+    if plan.form == "table" or pair.shape == "shapes":
+        return
+    reach = pair.reduced_radius * pair_series(pair.shape, plan.mode, pair.ratio).reach
+    if int(np.sum(np.geomspace(*plan.range, plan.samples) < reach)) <= FREE:
+        where = f"a series takes {FREE + 1} samples at least at gaps below the smaller diameter, {reach:g}"
+        raise refusal("calibration.range", plan.range, f'{where}; give them, or calibration.form = "table"')
 
 
 def _check_surroundings(case: Case) -> None:

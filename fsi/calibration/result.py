@@ -10,7 +10,7 @@ from fsi.calibration.pair import Pair
 from fsi.calibration.samples import Sample, Samples, as_arrays
 from fsi.case.law_file import LawFile, SeriesSection, TableSection, not_falling
 from fsi.errors import SolveError
-from fsi.lubrication.expansions import EXPONENTS, basis, coefficients, is_singular
+from fsi.lubrication.expansions import EXPONENTS, coefficients, is_singular, pair_series
 from fsi.lubrication.fitting import Fit, fit_series
 from fsi.lubrication.free_exponent import PLANAR, REVOLVED, fit_exponent
 from fsi.lubrication.profiles import Term
@@ -125,7 +125,7 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     """
     fitted, source = _without_dimension(pair, samples), _source(pair, case, samples)
     if np.any(fitted.kappa <= 0.0) or np.any(np.diff(fitted.kappa) >= 0.0):
-        raise SolveError(f"the sampled resistances do not decrease with the gap; {_remedy(pair)}")
+        raise _rising(pair)
     if pair.plan.form == "table":
         table = TableSection(s=tuple(fitted.d.tolist()), K=tuple(fitted.kappa.tolist()))
         law = _law_file(pair, source, table=table)
@@ -133,22 +133,28 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     confined = pair.confined
     fit = _fit(pair, fitted, confined=confined)
     source |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
-    law = _law_file(pair, source, series=_series(fit), range_of_s=fit.range)
+    series = _series(fit)
+    if wrong := not_falling(series.profile(fit.range)):
+        # Those held out tell it where others lie on both sides of a minimum.
+        if np.any(np.diff([one.kappa for one in sorted(samples, key=lambda one: one.gap)]) >= 0.0):
+            raise _rising(pair)
+        remedy = 'give more calibration.samples, or calibration.form = "table"'
+        raise SolveError(f"the fitted series {wrong}; {remedy}")
+    law = _law_file(pair, source, series=series, range_of_s=fit.range)
     compared = _compared(pair, fit, confined=confined)
     return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))
 
 
-def _remedy(pair: Pair) -> str:
-    """What to do about resistances that rise with the gap.
+def _rising(pair: Pair) -> SolveError:
+    """What is said of resistances that rise with the gap, and what to do about them.
 
     The opposite couples that roll two spheres turn each other on, the less the farther apart they are.
     """
+    where = "before the body comes to other surfaces"
     if pair.plan.mode == "rotation" and pair.second is not None:
-        return (
-            "end calibration.range where they still fall (that of rolling spheres has a minimum), or refine "
-            "the discretisation"
-        )
-    return "end calibration.range before the body comes to other surfaces, or refine the discretisation"
+        where = "where they still fall (that of rolling spheres has a minimum)"
+    remedy = f"end calibration.range {where}, or refine the discretisation"
+    return SolveError(f"the sampled resistances do not decrease with the gap; {remedy}")
 
 
 def _without_dimension(pair: Pair, samples: list[Sample]) -> Samples:
@@ -186,24 +192,18 @@ def _fit(pair: Pair, fitted: Samples, *, confined: bool) -> Fit:
     if pair.shape == "shapes":
         free = REVOLVED if pair.case.axisymmetric else PLANAR
         return fit_exponent(s, K, bars, free.confined() if confined else free)
-    terms = basis(pair.shape, pair.plan.mode, confined=confined)
-    return fit_series(s, K, bars, terms, confined=confined)
+    return fit_series(s, K, bars, pair_series(pair.shape, pair.plan.mode, pair.ratio, confined=confined))
 
 
 def _series(fit: Fit) -> SeriesSection:
-    """As a file has it. Raises SolveError: it does not decrease with the gap."""
-    series = SeriesSection(
+    """As a file has it."""
+    return SeriesSection(
         powers=tuple(term.power for term in fit.terms),
         logs=tuple(term.log for term in fit.terms),
         coefficients=tuple(fit.coefficients.tolist()),
         slopes=None if fit.slopes is None else tuple(fit.slopes.tolist()),
-        covariance=tuple(map(tuple, fit.covariance.tolist())),
+        root=tuple(map(tuple, fit.root.tolist())),
     )
-    if wrong := not_falling(series.profile(fit.range)):
-        raise SolveError(
-            f'the fitted series {wrong}; give more calibration.samples, or calibration.form = "table"'
-        )
-    return series
 
 
 def _compared(pair: Pair, fit: Fit, *, confined: bool) -> list[Coefficient]:

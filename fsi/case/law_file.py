@@ -10,8 +10,8 @@
     powers = [-1.0, 0.0, 0.0]
     logs = [false, true, false]
     coefficients = [18.85, 8.48, 31.24]
-    covariance = [[...], ...]  # of the coefficients
-    slopes = [...]             # d power/dm if an exponent m was fitted; covariance is then of (m, c_1, ...)
+    root = [[...], ...]        # A of the covariance A A^T of the coefficients; older files have `covariance`
+    slopes = [...]             # d power/dm if an exponent m was fitted; both are then of (m, c_1, ...)
     [source]                   # free: case, samples, chi2, versions ...
 
 The other forms have no range: "table" (section [table] with s and K), and without section each law that has a
@@ -32,6 +32,7 @@ from fsi.arrays import Array
 from fsi.case.section import Positive, Section
 from fsi.case.section_file import read_section, save_section
 from fsi.files import digest_of
+from fsi.lubrication.covariances import is_covariance, root_of
 from fsi.lubrication.expansions import EXPONENTS, LawShape, Mode, Shape
 from fsi.lubrication.fitting import band, design, design_with_exponent
 from fsi.lubrication.laws import LubricationLaw, ScaledLaw
@@ -42,8 +43,9 @@ from fsi.lubrication.profiles import Profile, Series, TabulatedProfile, Term
 _SAMPLED = ("series", "table")
 # Where a series is looked at: so many gaps, the smallest over the largest, and rounding of what is flat.
 _POINTS, _NARROWEST, _ROUNDING = 1000, 1e-12, 1e-12
-# Of a correlation: what rounding may do to it.
-_ROUNDED = 1e-9
+
+
+type Rows = tuple[tuple[float, ...], ...]
 
 
 class SeriesSection(Section):
@@ -57,13 +59,16 @@ class SeriesSection(Section):
     """one number for each term"""
     slopes: tuple[float, ...] | None = None
     """of each term d power / dm where an exponent m was fitted"""
-    covariance: tuple[tuple[float, ...], ...] = Field(min_length=1)
-    """the covariance of the coefficients, a square; with slopes that of m and the coefficients"""
+    root: Rows | None = None
+    """a square A, A A^T the covariance of the coefficients; with slopes that of m and the coefficients"""
+    covariance: Rows | None = Field(default=None, min_length=1)
+    """in place of root, in older files: the covariance, a square"""
 
     @field_validator("covariance")
     @classmethod
-    def _semidefinite(cls, rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
-        if all(len(row) == len(rows) for row in rows) and not is_covariance(np.array(rows)):
+    def _semidefinite(cls, rows: Rows | None) -> Rows | None:
+        square = rows is not None and all(len(row) == len(rows) for row in rows)
+        if square and not is_covariance(np.array(rows)):
             raise ValueError("must be symmetric and positive semidefinite")
         return rows
 
@@ -73,9 +78,13 @@ class SeriesSection(Section):
         slopes = self.powers if self.slopes is None else self.slopes
         if any(len(given) != n for given in (self.logs, self.coefficients, slopes)):
             raise ValueError(f"has {n} powers, but not as many logs, coefficients or slopes")
+        if (self.root is None) is (self.covariance is None):
+            raise ValueError("must have a root or, as older files, a covariance")
         size = n if self.slopes is None else n + 1
-        if any(len(given) != size for given in (self.covariance, *self.covariance)):
-            raise ValueError(f"has a covariance that is not of {size} rows and columns")
+        for name in ("root", "covariance"):
+            rows = getattr(self, name) or ((0.0,) * size,) * size
+            if any(len(given) != size for given in (rows, *rows)):
+                raise ValueError(f"has a {name} that is not of {size} rows and columns")
         return self
 
     @property
@@ -93,7 +102,8 @@ class SeriesSection(Section):
             rates = design(self.terms, s)
         else:
             rates = design_with_exponent(self.terms, np.array(self.coefficients), np.array(self.slopes), s)
-        return band(rates, np.array(self.covariance))
+        root = root_of(np.array(self.covariance)) if self.root is None else np.array(self.root)
+        return band(rates, root)
 
 
 class TableSection(Section):
@@ -234,7 +244,8 @@ class LawFile(Section):
 
     def digest(self) -> str:
         """A hash of K(s), of the motion and the pair: the same at any viscosity, from any source."""
-        other: dict[str, Any] = {"source": True, "viscosity": True, "series": {"covariance", "slopes"}}
+        of_errors = {"root", "covariance", "slopes"}
+        other: dict[str, Any] = {"source": True, "viscosity": True, "series": of_errors}
         law = self.model_dump(mode="json", exclude_none=True, exclude=other)
         return digest_of(law)
 
@@ -245,17 +256,6 @@ class LawFile(Section):
         width = self.series.band(np.asarray(d) / radius)
         scaled: Array = self.viscosity * radius ** EXPONENTS[self.shape, self.mode] * width
         return scaled
-
-
-def is_covariance(square: Array) -> bool:
-    """Whether a square matrix is symmetric and positive semidefinite, but for rounding."""
-    deviations = np.sqrt(np.maximum(np.diag(square), 0.0))
-    most = np.outer(deviations, deviations)
-    correlated = np.all(np.abs(square) <= (1.0 + _ROUNDED) * most)
-    if not correlated or np.any(np.abs(square - square.T) > _ROUNDED * most):
-        return False
-    correlation = square / np.where(most > 0.0, most, 1.0)  # variances span many decades
-    return bool(np.linalg.eigvalsh(correlation)[0] >= -_ROUNDED)
 
 
 def not_falling(series: Series) -> str | None:

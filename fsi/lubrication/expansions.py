@@ -19,6 +19,7 @@ J. Karrila, Microhydrodynamics (1991), section 9.3, for the logarithms of two sp
 forms of `fsi.lubrication.exact` and `two_discs`. Tests compare them with the exact functions.
 """
 
+from dataclasses import dataclass
 from math import inf, pi, sqrt
 from typing import Literal
 
@@ -31,7 +32,9 @@ type Mode = Literal["squeeze", "shear", "rotation"]
 SHAPES: tuple[Shape, ...] = ("spheres", "discs")
 MODES: tuple[Mode, ...] = ("squeeze", "shear", "rotation")
 
-_HIGHEST = 4  # power of the last terms; at s = 1, where the first left out counts most, samples tell of it
+# k of the last terms: s^k beside s^k ln(1/s) or s^(k + 1/2), and s^(k + 1/2) alone. They take up what is left
+# out, up to where no series converges.
+_HIGHEST, _HIGHEST_ALONE = 4, 7
 
 EXPONENTS: dict[tuple[LawShape, Mode], int] = {
     ("spheres", "squeeze"): 1,
@@ -44,6 +47,27 @@ EXPONENTS: dict[tuple[LawShape, Mode], int] = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class PairSeries:
+    """The terms of one pair that a fit may use.
+
+    Attributes:
+        terms: phi_k, in the order of their size at small s.
+        reach: the s below which there is a series: that of d = 2 a, a the smaller radius.
+        confined: whether surroundings add what is analytic in s: a constant, one of the first terms, and
+            later terms of its size.
+    """
+
+    terms: tuple[Term, ...]
+    reach: float
+    confined: bool = False
+
+
+def pair_series(shape: Shape, mode: Mode, ratio: float, *, confined: bool = False) -> PairSeries:
+    """Those of a pair with this b/a >= 1, infinite beside a plane."""
+    return PairSeries(basis(shape, mode, confined=confined), 2.0 * (1.0 + 1.0 / ratio), confined)
+
+
 def basis(shape: Shape, mode: Mode, *, confined: bool = False) -> tuple[Term, ...]:
     """The terms that a fit may use, in the order of their size at small s.
 
@@ -52,8 +76,8 @@ def basis(shape: Shape, mode: Mode, *, confined: bool = False) -> tuple[Term, ..
     """
     if shape == "discs":
         singular = (-1.5, -0.5) if mode == "squeeze" else (-0.5,)
-        whole = range(_HIGHEST + 1 if confined else 1)
-        powers = sorted([*whole, *(k + 0.5 for k in range(_HIGHEST + 1))])
+        whole, halves = (_HIGHEST, _HIGHEST) if confined else (0, _HIGHEST_ALONE)
+        powers = sorted([*range(whole + 1), *(k + 0.5 for k in range(halves + 1))])
         return tuple(Term(float(power)) for power in (*singular, *powers))
     regular = tuple(Term(float(k), log) for k in range(_HIGHEST + 1) for log in (True, False))
     return (Term(-1.0), *regular) if mode == "squeeze" else regular

@@ -4,12 +4,12 @@ In the plane, towards a surface h = q + c |x|^(1 + alpha) the leading term is q^
 What follows is smaller by the square of the slopes of the film, q^(2 m / 3), and what resists elsewhere adds
 a constant:
 
-    K(s) = c_1 s^-m + c_2 s^(-m/3) + c_3 + c_4 s^(m/3) + c_5 s^(2 m/3) + c_6 s^m + ...
+    K(s) = c_1 s^-m + c_2 s^(-m/3) + c_3 + c_4 s^(m/3) + c_5 s^(2 m/3) + c_6 s^m + ... + c_8 s^(5 m/3)
 
 For smooth surfaces, m = 3/2, these are the powers of `fsi.lubrication.expansions`. Between smooth bodies of
 revolution m is 1 and the rest as for spheres,
 
-    K(s) = c_1 s^-m + c_2 ln(1/s) + c_3 + c_4 s ln(1/s) + c_5 s + ...
+    K(s) = c_1 s^-m + c_2 ln(1/s) + c_3 + c_4 s ln(1/s) + c_5 s + c_6 s^2 ln(1/s) + c_7 s^2
 
 Where the pair is confined, what surroundings add is analytic in s, and s and s^2 are terms as well, but for
 one that is there already: for m = 3/2, s^(2 m / 3).
@@ -85,8 +85,10 @@ class FreeSeries:
         return FreeSeries(self.ratios, tuple(others))
 
 
-PLANAR = FreeSeries((-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0))
-REVOLVED = FreeSeries((-1.0,), (Term(0.0, log=True), Term(0.0), Term(1.0, log=True), Term(1.0)))
+# Without s^(4 m/3) and s^(5 m/3), or s^2 and its logarithm, samples at gaps of a tenth of a radius and
+# more put exponents up to three intervals off.
+PLANAR = FreeSeries(tuple(k / 3.0 for k in (-3, -1, 0, 1, 2, 3, 4, 5)))
+REVOLVED = FreeSeries((-1.0,), tuple(Term(float(k), log) for k in range(3) for log in (True, False)))
 
 
 def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -> Fit:
@@ -108,10 +110,10 @@ def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -
     terms, widths = series.terms(m), series.widths(m, s, K, lengths)
     c, misfit = _coefficients(series, m, *samples, lengths)
     columns = design_with_exponent(terms, c, series.slopes, s[:n])  # what has no prior comes first
-    _, covariance, _ = regression(columns, K[:n], bars[:n], widths)
+    _, root, _ = regression(columns, K[:n], bars[:n], widths)
     return Fit(
-        terms, FREE, c, covariance, series.slopes, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
-        misfit, n - FREE - 1, -m, float(np.sqrt(covariance[0, 0])),
+        terms, FREE, c, root, series.slopes, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
+        misfit, n - FREE - 1, -m, float(np.linalg.norm(root[0])),
     )  # fmt: skip
 
 

@@ -153,8 +153,8 @@ def lines(result: CalibrationResult) -> list[str]:
     said = [f"law from s = {smallest:.3g} to {largest:.3g}"]
     fit, test = result.fit, result.test
     if fit is not None:
-        used = f"{fit.used.sum()} of {len(fit.used)} samples"
-        agree = "agree with it" if fit.agrees else "that were used do NOT agree with it"
+        used = f"{fit.used.sum()} of {len(fit.used)} samples are used,"
+        agree = "which agree with it" if fit.agrees else "which do NOT agree with it"
         said[0] += f": {used} {agree}, chi^2 = {fit.chi2:.2g} for {fit.dof} degrees of freedom"
         if (first := result.leading) is not None:
             said.append(

@@ -184,6 +184,10 @@ def planned(**plan: Any) -> dict[str, Any]:
         (planned(pair=["disc", "disc"]), "'disc' is no other body and no wall; use one of"),
         (planned(range=[0.1, 1e-3]), "calibration.range = .* is not a range of positive gaps"),
         (planned(range=[0.1, 0.1005]), "tells no terms apart; give an upper end 1.01 times the lower"),
+        (
+            planned(range=[0.5, 2.0], samples=6),  # three of these are below 1
+            r"range = \[0\.5, 2\.0\]: a series takes 4 samples .* below the smaller diameter, 1; .*table",
+        ),
         (planned(range=[1e-3, 20.0]), "at the gap 20 the case is not sound: .*crosses wall"),
         (
             planned(range=[4e-9, 0.1]),

@@ -258,7 +258,7 @@ def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa
 
 
 def test_a_series_that_rises_is_no_law() -> None:
-    """Through stairs that fall; a case would refuse the file."""
+    """Through stairs that fall; a case would refuse the file. A step up that was held out is said first."""
     pair, stairs = pair_of(small_case()), iter([10.0, 9.999, 9.998, 5.0, 4.999, 4.998, 1.0, 0.999])
     gaps = [gap for gap, held_out in planned_gaps(pair) if not held_out]
     samples = [Sample(gap, False, next(stairs), 1e-9, 0.0, 1000, 1e-12, 0.1) for gap in gaps]
@@ -266,6 +266,9 @@ def test_a_series_that_rises_is_no_law() -> None:
         SolveError, match=r'series rises at s = 0\.00\d+; give .* calibration\.form = "table"'
     ):
         fit_law(pair, samples, "disc.toml")
+    between = replace(samples[4], gap=(gaps[4] * gaps[5]) ** 0.5, held_out=True, kappa=4.9995)
+    with pytest.raises(SolveError, match="sampled resistances do not decrease with the gap; end"):
+        fit_law(pair, [*samples, between], "disc.toml")
 
 
 def test_samples_of_meshes_made_again_are_told(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001

@@ -6,6 +6,7 @@ import tomllib
 import warnings
 from math import inf, pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +14,9 @@ import tomli_w
 from numpy.testing import assert_allclose, assert_array_equal
 from pydantic import ValidationError
 
-from fsi.case.law_file import LawFile, SeriesSection, TableSection, is_covariance, read_law_file, save_law
+from fsi.case.law_file import LawFile, SeriesSection, TableSection, read_law_file, save_law
 from fsi.errors import InputError
+from fsi.lubrication.covariances import is_covariance
 from fsi.lubrication.laws import RangeError
 from fsi.lubrication.named_laws import GapFilm, exact_law
 
@@ -58,6 +60,27 @@ def test_the_error_of_a_series_is_that_of_its_covariance() -> None:
     s = GAPS / 0.5
     assert_allclose(error, 0.25 * 1.959964 * np.hypot(1e-4 / s, 1e-2 * np.log(1.0 / s)), rtol=1e-6)
     assert LawFile(form="slides", viscosity=1.0).error(GAPS, 1.0) is None
+
+
+def test_errors_that_nearly_cancel_keep_their_digits(tmp_path: Path) -> None:
+    """Of c1/s + c2, c1 off by D and c2 by -D and by e: at s = 1 both D cancel, and 1.96 e is left.
+
+    Of the covariance, with D^2 = 1e12 and D^2 + e^2 of 16 digits, 0 would be left of e = 1e-4.
+    """
+    D, e = 1e6, 1e-4
+    series = SeriesSection(
+        powers=(-1.0, 0.0), logs=(False, False), coefficients=(20.0, 1.0), root=((D, 0.0), (-D, e))
+    )
+    law = LawFile(form="series", viscosity=1.0, range=(1e-3, 2.0), series=series)
+    error = read_law_file(written(tmp_path / "law.toml", law)).error(np.array([0.5, 1.0]), 1.0)
+    assert error is not None
+    assert_allclose(error, 1.959964 * np.array([D, e]), rtol=1e-6)
+
+
+@pytest.mark.parametrize("rows", [{}, {"root": ((1e-4, 0.0),)}, {"covariance": ((1e-8,),)}])
+def test_a_law_has_errors_of_all_its_coefficients(rows: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError, match=r"must have a root|has a (root|covariance) that is not of 2"):
+        SeriesSection(powers=(-1.0, 0.0), logs=(False, True), coefficients=(1.0, 1.0), **rows)
 
 
 def test_errors_of_a_fitted_exponent_and_its_coefficient_may_cancel() -> None:

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.arrays import Array
+from fsi.lubrication.expansions import Shape
 from fsi.lubrication.fitting import CONFIDENCE, Fit, band, design, design_with_exponent
 from fsi.lubrication.free_exponent import PLANAR, REVOLVED, FreeSeries, fit_exponent
 from fsi.lubrication.named_laws import exact_resistance
@@ -37,9 +38,9 @@ def test_the_exponent_of_a_series_is_found_within_its_interval(
     assert abs(fit.coefficients[0] - 1.0) < 4.0 / CONFIDENCE * fit.intervals[0]
     off = np.abs(design(fit.terms, S) @ fit.coefficients - K)[fit.used]
     assert np.all(off < 4.0 / CONFIDENCE * width_of_law(fit, S[fit.used]))
-    # Samples of 1e-6 over four decades give it to 1e-7 alone; terms that are close by, to 4e-5 at m = 0.4.
+    # Samples of 1e-6 over four decades give it to 1e-7 alone; terms that are close by, to 1e-4 at m = 0.4.
     # Where by chance the widest gaps do not agree (one time of twenty) and are left out, to a few times that.
-    assert fit.exponent_error < (1e-4 if fit.used.all() else 1e-3)
+    assert fit.exponent_error < (3e-4 if fit.used.all() else 3e-3)
 
 
 @pytest.mark.parametrize("m", [0.5, 0.717, 0.742, 0.767])
@@ -56,6 +57,23 @@ def test_a_disc_beside_a_plane_has_its_own_exponent() -> None:
     fit = fit_exponent(S, K, 1e-6 * K)
     assert fit.exponent == pytest.approx(-1.5, abs=1e-5)
     assert fit.coefficients[0] == pytest.approx(3.0 * np.sqrt(2.0) * np.pi, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("shape", "series", "smallest", "largest", "error"),
+    [("discs", PLANAR, 1e-3, 1.0, 3e-8), ("spheres", REVOLVED, 1e-4, 0.3, 1e-7)],
+)
+def test_wide_gaps_do_not_shift_the_exponent(
+    shape: Shape, series: FreeSeries, smallest: float, largest: float, error: float
+) -> None:
+    """3/2 and 3 sqrt(2) pi, 1 and 6 pi: with series that end at s^m or s 2.2 to 2.5 intervals off."""
+    m, first = (1.5, 3.0 * np.sqrt(2.0) * np.pi) if shape == "discs" else (1.0, 6.0 * np.pi)
+    s = np.geomspace(smallest, largest, 14)
+    K = exact_resistance(shape, "squeeze", s, np.inf)
+    fit = fit_exponent(s, K, error * K, series)
+    assert fit.used.all()
+    assert abs(fit.exponent + m) < 0.5 * fit.exponent_interval < 5.0 * error
+    assert abs(fit.coefficients[0] - first) < 0.5 * fit.intervals[0] < 50.0 * error * first
 
 
 @pytest.mark.parametrize("lengths", [40.0, 100.0])
@@ -79,8 +97,9 @@ def test_what_surroundings_add_is_not_taken_for_the_pairs(m: float) -> None:
     assert fit.used.all()
     assert abs(fit.exponent + m) < fit.exponent_interval < 1e-3
     assert abs(fit.coefficients[0] - 1.0) < fit.intervals[0]
-    assert min(np.diff(sorted(term.power for term in fit.terms))) > 0.1  # s^(2 m / 3) is s for m = 3/2
-    assert len(fit.terms) == (7 if m == 1.5 else 8)
+    assert min(np.diff(sorted(term.power for term in fit.terms))) > 0.1
+    # s is s^(5 m/3), s^(4 m/3), or with m = 3/2 it is s^(2 m/3) and s^2 is s^(4 m/3)
+    assert len(fit.terms) == (8 if m == 1.5 else 9)
 
 
 @pytest.mark.parametrize(("low", "high"), [(1e-4, 1e-1), (1e-5, 1e-2)])
@@ -98,7 +117,7 @@ def test_a_sphere_beside_a_plane_has_its_own_exponent(low: float, high: float) -
 def width_of_law(fit: Fit, s: Array) -> Array:
     """Half width of the 95 % interval of K(s)."""
     assert fit.slopes is not None
-    return band(design_with_exponent(fit.terms, fit.coefficients, fit.slopes, s), fit.covariance)
+    return band(design_with_exponent(fit.terms, fit.coefficients, fit.slopes, s), fit.root)
 
 
 @pytest.mark.parametrize("series", [PLANAR, REVOLVED, PLANAR.confined()])
