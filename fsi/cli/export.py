@@ -8,6 +8,7 @@ import typer
 
 import fsi.parallel as parallel
 from fsi.cli.arguments import RunFolder, output_to, require_writable, tell
+from fsi.errors import InputError
 
 EXAMPLE = "Example: fsi export runs/settling_discs --format vtkhdf -o discs.vtkhdf"
 
@@ -70,6 +71,11 @@ def export(
 
 
 def _of_suffix(output: Path | None) -> ExportFormat:
-    """The format whose suffix a file has, vtkhdf where there is none."""
-    suffix = "" if output is None else output.suffix.removeprefix(".")
-    return ExportFormat(suffix) if suffix in ExportFormat else ExportFormat.vtkhdf
+    """The format whose suffix a file has, vtkhdf if no file is given. Raises InputError: it is of none."""
+    if output is None:
+        return ExportFormat.vtkhdf
+    suffix = output.suffix.removeprefix(".")
+    if suffix not in ExportFormat:
+        known = ", ".join(f".{known}" for known in ExportFormat)
+        raise InputError(f"output = {output}: unknown suffix {output.suffix!r}; give {known}")
+    return ExportFormat(suffix)

@@ -141,7 +141,7 @@ def test_an_ellipse_is_told_from_a_disc_that_is_as_long(run: Path) -> None:
         (("--format", "pvd"), "'pvd' is not one of 'vtkhdf', 'xdmf', 'csv'"),
         (("--format", "xdmf", "-o", "fields.h5"), "fields.h5: give the path of a .xdmf file"),
         (("--format", "xdmf", "-o", "nowhere/fields.xdmf"), "no file can be written there"),
-        (("-o", "fields.h5"), "fields.h5: give the path of a .vtkhdf file"),
+        (("-o", "fields.h5"), "fields.h5: unknown suffix '.h5'; give .vtkhdf, .xdmf, .csv"),
         (("-o", "nowhere/fields.vtkhdf"), "no file can be written there"),
         (("--format", "csv", "-o", "fields.vtkhdf"), "fields.vtkhdf: give the path of a .csv file"),
     ],
