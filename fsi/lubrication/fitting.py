@@ -17,7 +17,8 @@ to 20, 1 in 100 leaves its band anywhere, by half a band at most. With half powe
 of any gap, 15 in 100 did, by up to 28 bands.
 
 C counts every bar twice, as independent and as common to all samples: meshes of one kind may err to the same
-side at every gap. Bars count as standard deviations; those of resolved forces are bounds, so it is cautious.
+side at every gap. Bars count as standard deviations; those of resolved forces are bounds, so it is cautious,
+but for errors as large as their bars that drift from one side to the other with the gap.
 """
 
 from dataclasses import dataclass

@@ -14,6 +14,9 @@ from fsi.observables.kinks import between_kinks
 
 # A gap this close to that of a step, relative, is that one; steps that tell more than a straight line.
 _ROUNDING, _FEWEST = 1e-12, 3
+_PASSING = (
+    3.0  # times the smallest gap of all steps: where those beside it are wider bodies pass in a few steps
+)
 
 
 def computed(case: Case, results: Measured, quantity: str) -> float:
@@ -85,8 +88,9 @@ def _require_passed(gap: float, gaps: Array) -> None:
     if gap < smallest < gaps[-1]:
         found = f"the smallest gap at its steps is {smallest:.4g}, and it opens at the end"
         # A parabola of ln gap through that step and those beside it falls below by less than it rises to
-        # them, unless one step is 4.8 times as long as the other.
-        between = gap > smallest**2 / gaps[max(least - 1, 0) : least + 2].max()
+        # them, unless one step is 4.8 times as long as the other; bodies that pass in a few steps fall more.
+        beside = gaps[max(least - 1, 0) : least + 2].max()
+        between = gap > smallest**2 / beside or beside > _PASSING * smallest
         remedy = " or a shorter output.interval" if between else ", or bodies that come nearer"
         raise InputError(f"{here}: {found}; give a wider gap{remedy}")
     if smallest > gap:

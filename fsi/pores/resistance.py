@@ -90,7 +90,7 @@ def case_resistance(case: Case) -> Resistance:
     columns, residual = _schur_complement(system)
     seconds = {"assemble": assembled - began, "solve": process_time() - assembled}
     labels = matrix.all_modes(case.names, q.radii, system.viscosity, 2)
-    remedy = 'widen the narrowest gaps, or give model = "resolved"'
+    remedy = 'widen the narrowest gaps, or try model = "resolved"'
     try:
         R, asymmetry = matrix.symmetrised(columns, labels.scale)
         remedy = "widen the narrowest gaps"  # what R cannot hold it cannot hold of elements either

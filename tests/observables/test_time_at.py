@@ -63,6 +63,10 @@ def test_the_time_at_a_gap_that_comes_to_rest_lies_in_its_step() -> None:
             time_at(far, s, gaps)
     with pytest.raises(InputError, match=r"give a wider gap or a shorter output\.interval"):
         time_at(0.098, s, gaps)
+    # Two that pass at 1e-3: 2 (sqrt((1 + 1e-3 / 2)^2 + t^2 / 4) - 1), whose logarithm is no parabola.
+    t = np.array([-1.5, -0.5, 0.6, 1.6])
+    with pytest.raises(InputError, match=r"give a wider gap or a shorter output\.interval"):
+        time_at(1.02e-3, t + 1.5, 2.0 * (np.sqrt(1.0005**2 + 0.25 * t**2) - 1.0))
 
 
 def test_the_time_at_a_gap_before_contact() -> None:

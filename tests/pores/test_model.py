@@ -279,5 +279,5 @@ def test_a_matrix_that_rounding_spoils_is_refused_with_a_remedy() -> None:
     """At gaps of 1e-7 to both walls of a corner its asymmetry is 6.7e-6 (regression), bound 1e-9."""
     disc = {"name": "disc", "radius": 1.0, "position": [1.0000001, 1.0000001]}
     case = small(domain={"lower": [0.0, 0.0], "upper": [4.0, 4.0]}, bodies=[disc], pores={"modes": 8})
-    with pytest.raises(SolveError, match=r'^model = "pores": .* reciprocity.*, or give model = "resolved"$'):
+    with pytest.raises(SolveError, match=r'^model = "pores": .* reciprocity.*, or try model = "resolved"$'):
         case_resistance(case)
