@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fsi.bodies.gaps import foot_between
-from fsi.calibration.pair import SAME_GAP, Pair
+from fsi.calibration.pair import SAME_GAP, Pair, planned_gaps
 from fsi.calibration.sharpness import is_sharp, sharpness
 from fsi.case.case import Case
 from fsi.case.checks.surfaces import slip_lengths
@@ -139,7 +139,7 @@ def _check_reach(pair: Pair) -> None:
     if plan.form == "table" or pair.shape == "shapes":
         return
     reach = pair.reduced_radius * pair_series(pair.shape, plan.mode, pair.ratio).reach
-    if int(np.sum(np.geomspace(*plan.range, plan.samples) < reach)) <= FREE:
+    if sum(gap < reach for gap, held_out in planned_gaps(pair) if not held_out) <= FREE:
         where = f"a series takes {FREE + 1} samples at least at gaps below the smaller diameter, {reach:g}"
         raise refusal("calibration.range", plan.range, f'{where}; give them, or calibration.form = "table"')
 

@@ -39,6 +39,7 @@ LEFT_OUT = frozenset({"calibration", "time", "output", "expected", "sweep", "for
 _PLACE = ("name", "radius", "shape", "angle", "position")
 # Of a gap: what closest points of shapes may be off it.
 SAME_GAP = 1e-6
+_DIGITS = 8  # of a gap over a radius
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,3 +188,18 @@ class Pair:
 def _turning(values: list[float]) -> float | tuple[float, ...]:
     """As a case has rotations and torques: a number in the plane."""
     return values[0] if len(values) == 1 else tuple(values)
+
+
+def planned_gaps(pair: Pair) -> list[tuple[float, bool]]:
+    """(gap, held out) of all samples: the range in equal ratios, and middles of intervals spread over it.
+
+    Those inside the range are rounded over the largest radius, so that they are the same in all units.
+    """
+    plan, unit = pair.plan, float(pair.case.configuration().radii.max())
+    gaps = np.geomspace(*plan.range, plan.samples)
+    middles = np.sqrt(gaps[1:] * gaps[:-1])
+    chosen = middles[np.unique(np.linspace(0, len(middles) - 1, plan.held_out).round().astype(int))]
+    gaps[1:-1], chosen = (
+        [unit * float(f"{gap / unit:.{_DIGITS}g}") for gap in inner] for inner in (gaps[1:-1], chosen)
+    )
+    return [(gap, False) for gap in gaps.tolist()] + [(gap, True) for gap in chosen]

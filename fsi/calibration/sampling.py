@@ -20,7 +20,7 @@ import numpy as np
 import fsi.parallel as parallel
 from fsi.calibration.finding import pair_of
 from fsi.calibration.own_code import own_code
-from fsi.calibration.pair import Pair
+from fsi.calibration.pair import Pair, planned_gaps
 from fsi.calibration.samples import Sample, keep_sample, read_sample
 from fsi.case.load import parse_case
 from fsi.errors import FsiError, SolveError
@@ -32,25 +32,9 @@ from fsi.observables.truncation import halved
 from fsi.workers.launch import outcomes
 from fsi.workers.pools import Pool
 
-DIGITS = 8  # of a gap over a radius
 _PACKAGE, _SOURCES = Path(__file__).parents[1], (".py", ".c", ".h")
 # What computes a sample besides its case.
 _SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py", "numba")
-
-
-def planned_gaps(pair: Pair) -> list[tuple[float, bool]]:
-    """(gap, held out) of all samples: the range in equal ratios, and middles of intervals spread over it.
-
-    Those inside the range are rounded over the largest radius, so that they are the same in all units.
-    """
-    plan, unit = pair.plan, float(pair.case.configuration().radii.max())
-    gaps = np.geomspace(*plan.range, plan.samples)
-    middles = np.sqrt(gaps[1:] * gaps[:-1])
-    chosen = middles[np.unique(np.linspace(0, len(middles) - 1, plan.held_out).round().astype(int))]
-    gaps[1:-1], chosen = (
-        [unit * float(f"{gap / unit:.{DIGITS}g}") for gap in inner] for inner in (gaps[1:-1], chosen)
-    )
-    return [(gap, False) for gap in gaps.tolist()] + [(gap, True) for gap in chosen]
 
 
 def key_of(pair: Pair, gap: float) -> str:

@@ -13,8 +13,8 @@ and what is not known of them is the error of the model, which so enters every c
 
 Samples at d >= 2 a are left aside. What follows the last terms is taken up by them: of 900 fits to exact
 functions (`fsi.lubrication.named_laws`), with bars of 1e-7 to 1e-3 of them and ranges that end at s of 0.3
-to 20, 1 in 100 leaves its band anywhere, by half a band at most. With half powers up to s^4.5, and samples
-of any gap, 15 in 100 did, by up to 28 bands.
+to 20, 1 in 100 leaves its band anywhere, by half a band at most (by a script). With half powers up to s^4.5,
+and samples of any gap, 15 in 100 did, by up to 28 bands.
 
 C counts every bar twice, as independent and as common to all samples: meshes of one kind may err to the same
 side at every gap. Bars count as standard deviations; those of resolved forces are bounds, so it is cautious,

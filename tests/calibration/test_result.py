@@ -9,8 +9,8 @@ import pytest
 
 from fsi.calibration.calibrate import summary
 from fsi.calibration.finding import pair_of
+from fsi.calibration.pair import planned_gaps
 from fsi.calibration.result import fit_law
-from fsi.calibration.sampling import planned_gaps
 from fsi.case.load import load_case
 from fsi.errors import SolveError
 from fsi.report.studies import lines

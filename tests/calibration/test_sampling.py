@@ -17,10 +17,10 @@ import fsi.calibration.calibrate
 import fsi.calibration.sampling
 from fsi.calibration.calibrate import calibrate_case, summary
 from fsi.calibration.finding import pair_of
-from fsi.calibration.pair import Pair
+from fsi.calibration.pair import Pair, planned_gaps
 from fsi.calibration.result import HeldOut, fit_law
 from fsi.calibration.samples import Sample, Samples, as_arrays, keep_sample, read_sample
-from fsi.calibration.sampling import Sampling, key_of, planned_gaps, take_samples
+from fsi.calibration.sampling import Sampling, key_of, take_samples
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case

@@ -11,9 +11,9 @@ import pytest
 
 import fsi
 from fsi.calibration.finding import pair_of
+from fsi.calibration.pair import planned_gaps
 from fsi.calibration.result import CalibrationResult, fit_law
 from fsi.calibration.samples import Sample, as_arrays
-from fsi.calibration.sampling import planned_gaps
 from fsi.case.law_file import read_law_file, save_law
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError

@@ -164,9 +164,9 @@ def continued(normal: Array, absent: NDArray[np.bool_]) -> Array:
     have nodes of both kinds. The values of nu there are those of the polynomial through all others, so that
     phi_i of these still add up to 1.
     """
-    n, normal = absent.shape[1], normal.copy()
+    degree, normal = absent.shape[1] - 1, normal.copy()
+    nodes = basix.create_element(basix.ElementFamily.P, FACET[2], degree, EQUISPACED).points[:, 0]
     for e in np.flatnonzero(absent.any(axis=1) & ~absent.all(axis=1)):
-        nodes = basix.create_element(basix.ElementFamily.P, FACET[2], n - 1, EQUISPACED).points[:, 0]
         none, others = np.flatnonzero(absent[e]), np.flatnonzero(~absent[e])
         powers = np.vander(nodes, len(others))
         weights = powers[none] @ np.linalg.inv(powers[others])
