@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import scipy.sparse as sp
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fsi.arrays import Array
-from fsi.bodies.rows import gram
+from fsi.bodies.rows import MANY, gram, products
 from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.interior_points import by_interior_points
 
@@ -176,13 +177,17 @@ class _Reached:
     residual: float = np.inf
 
 
+# From y and z with a momentum one step: the new z, and whether it is uphill; y is taken to the next one.
+type Descent = Callable[[Array, Array, float], tuple[Array, bool]]
+
+
 @dataclass(frozen=True, slots=True)
 class _Dual:
     """The dual in `z = p / scale`, in which a step of length 1 against the gradient is stable.
 
     Attributes:
-        B, product: `W = B B^T + diag(stiff)`, and `z -> B B^T z`.
-        stiff: the scaled compliances, None without any, (rows,).
+        B, product: `z -> W z`, with `W = B B^T + diag(stiff)`.
+        stiff: the scaled compliances, (rows,).
         c, scale: (rows,).
         step: that length in z of rows with unit diagonal.
         response: which impulses are allowed.
@@ -190,7 +195,7 @@ class _Dual:
 
     B: sp.csr_matrix
     product: Callable[[Array], Array]
-    stiff: Array | None
+    stiff: Array
     c: Array
     scale: Array
     step: float
@@ -203,47 +208,64 @@ class _Dual:
         s = 1.0 / np.sqrt(response.scales(program.weight) + compliance)
         moved = np.unique(J.indices)  # what no row moves costs time
         B = sp.csr_matrix(sp.diags(s) @ J[:, moved] @ sp.diags(1.0 / np.sqrt(program.mass[moved])))
-        stiff = s * s * compliance if compliance.any() else None
-        zero = np.zeros(len(s))
-        step = 1.0 / _largest(cls(B, gram(B), stiff, zero, s, 1.0, response).gradient, len(s))
+        stiff = s * s * compliance
+        step = 1.0 / _largest(gram(B, stiff), len(s))
         B *= np.sqrt(step)
         s *= np.sqrt(step)
-        c = s * program.rate(program.u_star)
-        return cls(B, gram(B), None if stiff is None else step * stiff, c, s, step, response)
+        stiff *= step
+        return cls(B, gram(B, stiff), stiff, s * program.rate(program.u_star), s, step, response)
 
     def of_gaps(self, chosen: NDArray[np.intp]) -> _Dual:
         """That of these rows, gaps all of them; fewer rows have no larger an eigenvalue."""
-        B = self.B[chosen]
+        B, stiff = self.B[chosen], np.zeros(len(chosen))
         response = ContactResponse.of_gaps(len(chosen))
-        return _Dual(B, gram(B), None, self.c[chosen], self.scale[chosen], self.step, response)
+        return _Dual(B, gram(B, stiff), stiff, self.c[chosen], self.scale[chosen], self.step, response)
 
     def gradient(self, z: Array) -> Array:
         """`W z + c`."""
         g = self.product(z)
         g += self.c
-        if self.stiff is not None:
-            g += self.stiff * z
         return g
 
     def onto(self, z: Array) -> Array:
         """The projection onto the impulses that are allowed; z may be overwritten."""
-        least = self.response.least
-        if len(least) == len(z):
-            return np.maximum(z, least / self.scale if least.any() else 0.0, out=z)
+        if self._only_normal:
+            return np.maximum(z, self._least, out=z)
         return self.response.onto(self.scale * z) / self.scale
+
+    @property
+    def _only_normal(self) -> bool:
+        return len(self.response.least) == len(self.scale)
+
+    @property
+    def _least(self) -> Array:
+        least: Array = self.response.least / self.scale
+        return least
 
     def residual(self, z: Array) -> float:
         """The largest natural residual, a rate."""
         misses = np.abs(z - self.onto(z - self.gradient(z) / self.step))
         return float((misses * (self.step / self.scale)).max(initial=0.0))
 
+    def descent(self) -> Descent:
+        """Projected steps of length 1 against the gradient, compiled for many rows that are all normal."""
+        if self._only_normal and len(self.scale) > MANY:
+            return partial(products(self.B, self.stiff).descend, self.c, self._least)
+        return self._descend
+
+    def _descend(self, y: Array, z: Array, momentum: float) -> tuple[Array, bool]:
+        new = self.gradient(y)
+        new = self.onto(np.subtract(y, new, out=new))
+        moves = new - z
+        y -= new
+        uphill = bool(y @ moves > 0.0)
+        y[:] = new if uphill else new + momentum * moves
+        return new, uphill
+
 
 def _by_gradient(dual: _Dual, begin: _Reached, tolerance: float, most: int) -> _Reached:
-    """Goes on until the residual is tolerated or falls too slowly, to `most` iterations since the first.
-
-    With many bodies most of the time goes into reading and writing vectors, so they are overwritten.
-    """
-    z = dual.onto(begin.p / dual.scale)
+    """Goes on until the residual is tolerated or falls too slowly, to `most` iterations since the first."""
+    z, descend = dual.onto(begin.p / dual.scale), dual.descent()
     y, theta = z.copy(), 1.0
     best, first = np.inf, begin.first
     for iteration in range(begin.iterations, most):
@@ -253,18 +275,9 @@ def _by_gradient(dual: _Dual, begin: _Reached, tolerance: float, most: int) -> _
             judged = iteration > begin.iterations and iteration % JUDGE_EVERY == 0
             if best <= tolerance or (judged and _in_vain(iteration, first, best, tolerance)):
                 return _Reached(dual.scale * z, iteration, first, best)
-        new = dual.gradient(y)
-        new = dual.onto(np.subtract(y, new, out=new))
-        moves = np.subtract(new, z, out=z)
-        y -= new
-        if y @ moves > 0.0:
-            theta, y[:] = 1.0, new
-        else:
-            following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * theta * theta))
-            moves *= (theta - 1.0) / following
-            moves += new
-            theta, y = following, moves
-        z = new
+        following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * theta * theta))
+        z, uphill = descend(y, z, (theta - 1.0) / following)
+        theta = 1.0 if uphill else following
     return _Reached(dual.scale * z, most, first, best)
 
 

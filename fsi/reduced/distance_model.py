@@ -3,7 +3,7 @@
 Each step h
   1. advances the distance of each pair by itself, `D'' = -g kappa(D) D' + f`, in x = ln D, which does not
      underflow where D does; f holds the other pairs, drag and `G'.u` at the beginning of the step, and the
-     loads. So stored gaps are positive;
+     loads. So stored gaps are positive. Beside bodies held in some directions g turns, too;
   2. takes A with kappa(D^{n+1}) and G at q^n, and solves `(M + h Z + h A) u^{n+1} = M u^n + h Phi`;
   3. moves the bodies, `q += h u^{n+1}`; held modes have their mean velocity in the step, so that they are
      where its integral takes them, and what they push keeps up with them.
@@ -116,32 +116,33 @@ class DistanceModel(ReducedModel):
         pairs = of_keys(state.q, ambient.enclosure, self._memory.key)
         memory, checks = self._advance_distances(state, pairs, ambient, h)
         kappa = self.laws.kappa(memory.x, pairs.films)
-        solved, q, stopped = self._without_overlap(state, ambient, pairs, kappa, h)
+        solved, q, then, stopped = self._without_overlap(state, ambient, pairs, kappa, h)
         checks |= identities(solved.network, state.q, solved.U, solved.alone, solved.force)
         checks |= solved.balances() | {"energy": solved.energy(self.masses, state.U, h)}
         require(checks, t_end)
         record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks, "stopped": stopped}
-        instant = self._meet(q, solved.U, replace(memory, force=solved.force), t_end, record)
+        w = memory.w if self.literal else memory.w + self._turned(memory.x, pairs, then, ambient)
+        instant = self._meet(q, solved.U, replace(memory, w=w, force=solved.force), t_end, record)
         return q, replace(instant, record={**instant.record, "cpu_solve": process_time() - began})
 
     def _without_overlap(
         self, state: State, ambient: Surroundings, pairs: Pairs, kappa: Array, h: float
-    ) -> tuple[SolvedSystem, Configuration, int]:
-        """Steps 2 and 3: velocities, the bodies there, and how many pairs had to be stopped."""
+    ) -> tuple[SolvedSystem, Configuration, Pairs, int]:
+        """Steps 2 and 3: velocities, the bodies and the pairs there, and how many had to be stopped."""
         inertia, stopped = Inertia(self.masses / h, state.U), np.zeros(len(pairs), dtype=bool)
         while True:
             rigid = np.where(stopped, np.inf, kappa)
             solved = solve_system(ambient, pairs, rigid, inertia, stored=True)
             moved = state.q.moved(h * solved.U)
-            left = of_keys(moved, ambient.enclosure, pairs.key).gap
-            if np.any(np.isinf(rigid) & (left < -ROUNDING * state.q.radii.min())):
+            then = of_keys(moved, ambient.enclosure, pairs.key)
+            if np.any(np.isinf(rigid) & (then.gap < -ROUNDING * state.q.radii.min())):
                 raise SolveError(
-                    f"time.step = {h:g}: bodies overlap after it by {-left.min():.3g}, and stopping their "
-                    "gaps does not part them; shorten it"
+                    f"time.step = {h:g}: bodies overlap after it by {-then.gap.min():.3g}, and stopping "
+                    "their gaps does not part them; shorten it"
                 )
-            closed = (left <= 0.0) & ~np.isinf(rigid)
+            closed = (then.gap <= 0.0) & ~np.isinf(rigid)
             if not closed.any():
-                return solved, moved, int(stopped.sum())
+                return solved, moved, then, int(stopped.sum())
             stopped |= closed
 
     def _during(self, q: Configuration, t: float, t_end: float) -> Surroundings:
@@ -169,6 +170,21 @@ class DistanceModel(ReducedModel):
         step = FirstIntegral(old.x, w, h, g, integral)
         x = step.solve()
         return replace(old, x=x, w=w), {"invariant": step.defect(x)}
+
+    def _turned(self, x: Array, pairs: Pairs, then: Pairs, ambient: Surroundings) -> Array:
+        """By how much w changes with the directions, `(g then - g) K`, (P,).
+
+        g turns with them beside bodies that are held in some directions only.
+        """
+        change, (N, d) = np.zeros(len(x)), ambient.motion.held[:, : pairs.n.shape[1]].shape
+        held = ambient.motion.held[:, :d].sum(axis=1)
+        partly = (held > 0) & (held < d)
+        here = np.flatnonzero(partly[pairs.i] | partly[np.where(pairs.is_wall, pairs.i, pairs.j)])
+        if len(here):
+            M_inverse = self._inverse_masses(ambient, d)
+            g, g_then = (own_mobility(gradient(side, N)[here], M_inverse) for side in (pairs, then))
+            change[here] = (g_then - g) * self.laws.integral(x[here], pairs.films.of(here))[0]
+        return change
 
     def _rates_of_change(
         self, state: State, pairs: Pairs, ambient: Surroundings, h: float

@@ -22,17 +22,24 @@ of it all is the root of the largest kappa over Z (Y. Saad, Iterative Methods fo
 2003, section 8.4; why corrections give small defects of each row: R. D. Skeel, Math. Comp. 35 (1980) 817).
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import LinearOperator, SuperLU, cg, splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from fsi.arrays import Array
-from fsi.bodies.rows import gram
+from fsi.bodies.rows import products
 from fsi.errors import SolveError
 from fsi.reduced.twice_precise import transposed_product, two_product, two_sum
+
+if TYPE_CHECKING:
+    from fsi.bodies.row_products import Products
 
 # Gaps whose compliance is below this times the mobility of their two sides are stiff: rounding of u0 may be
 # seen in their rates.
@@ -107,7 +114,7 @@ class GapSystem:
         _, force = correction(self.u0, -self.own)
         return self.u0 - self.Z_inverse * (self.G.T @ force), force
 
-    def _correction(self) -> "_ByForces | _ByAll":
+    def _correction(self) -> _ByForces | _ByAll:
         """By the smaller factors: of the forces, or of all, whose forces are eliminated first."""
         velocities = len(self.u0)
         crowded = velocities <= _LARGEST_FULL and len(self.own) > _CROWDED * velocities
@@ -191,11 +198,10 @@ class _ByForces:
 
     def _solved(self, right: Array) -> Array:
         if self._factors is None and len(right) > LARGEST_DIRECT:
-            product, patience = gram(self.H), _PATIENCE[self.system.d]
-            S = LinearOperator(2 * right.shape, matvec=lambda x: product(x) + self.slack * x, dtype=float)
-            x, unfinished = cg(S, right, rtol=self.tolerance, maxiter=patience)
-            if not unfinished:
-                return np.asarray(x)
+            patience = _PATIENCE[self.system.d]
+            found = self._products.solve(right, self.tolerance, patience)
+            if found is not None:
+                return found
             if self.system.d == 3:
                 raise SolveError(
                     f"the forces in the gaps were not found in {patience} iterations; shorten "
@@ -204,6 +210,10 @@ class _ByForces:
         if self._factors is None:
             self._factors = self._factorised()
         return np.asarray(self._factors.solve(right))
+
+    @cached_property
+    def _products(self) -> Products:
+        return products(self.H, self.slack)
 
     def _factorised(self) -> SuperLU:
         try:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from fsi.arrays import Array
 from fsi.bodies.gaps import nearest_gaps
@@ -157,3 +158,35 @@ def test_memory_survives_a_change_of_neighbours() -> None:
     assert np.array_equal(found.x[own], values[0][now[own]])
     assert np.array_equal(found.w[own], values[1][now[own]])
     assert np.all(found.force[new] == 7.0)
+
+
+def test_a_body_held_in_one_direction_keeps_the_gap_that_its_motion_leaves() -> None:
+    """A disc that rises freely in y alone is pressed by 2 against another one that is driven past it.
+
+    `y'' = 2 - kappa(D) D' n_y` with kappa = mu/D; g = n_y^2 turns with n. Without that the stored gap would
+    tend to twice this one, and the drift to 0.1.
+    """
+    start, speed = np.array([1.2, -1.7233687939614086]), 1.0
+
+    def motion(t: float, y: Array) -> Array:
+        apart = np.array([start[0] - speed * t, y[0]])
+        distance = np.hypot(*apart)
+        rate = (apart @ [-speed, y[1]]) / distance
+        return np.array([y[1], 2.0 - rate / (distance - 2.0) * apart[1] / distance])
+
+    found = solve_ivp(motion, (0.0, 1.0), [start[1], 0.0], rtol=1e-10, atol=1e-12, method="Radau")
+    gap = np.hypot(start[0] - speed, found.y[0, -1]) - 2.0
+    held = {"angular_velocity": 0.0, "radius": 1.0}
+    free = {"name": "a", "position": start.tolist(), "velocity": [0.0, "free"], "force": [0.0, 2.0]}
+    bodies = [free | held | INERTIA, {"name": "b", "position": [0.0, 0.0], "velocity": [speed, 0.0]} | held]
+    drifts = []
+    for h in (0.02, 0.01):
+        reduced = {"law": "slides", "drag": 0.0, "scheme": "distance", "step": h}
+        case = reduced_case(bodies, reduced, domain={"shape": "unbounded"}, time={"end": 1.0})
+        stepper = make_stepper(case, make_model(case))
+        step = stepper.start(case.configuration())
+        while step.state.t < 1.0:
+            step = stepper.advance(step.state)
+        assert 10.0 ** step.instant.record["log10_stored_gap"] == pytest.approx(gap, rel=0.3 * h)
+        drifts.append(step.instant.record["drift"])
+    assert drifts[1] == pytest.approx(0.5 * drifts[0], rel=0.05)
