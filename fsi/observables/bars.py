@@ -75,12 +75,15 @@ class Compared:
         factor: what makes the difference a bound of the error.
         chance: the part of the largest difference to which each is known: by chance some cancel.
         chance_of_stress: the same of stresses and stresslets.
+        chance_of_flow: the same of what the whole flow has, dissipation, fluxes and the speeds that stresses
+            give, each as a part of itself.
     """
 
     results: FlowResults
     factor: float
     chance: float = KNOWN_TO
     chance_of_stress: float = KNOWN_TO
+    chance_of_flow: float = 0.0
 
 
 def step_errors(bodies: DrivenBodies, results: FlowResults, *others: Compared) -> StepErrors:
@@ -91,12 +94,15 @@ def step_errors(bodies: DrivenBodies, results: FlowResults, *others: Compared) -
     units = np.stack([speed / arms, force * arms])
     computed = np.stack([~motion.held, motion.held]) & case.modes
     rounding = rounding_of(bodies)
-    error = rounding * units + sum(_bound(each, results, computed, units) for each in others)
+    missed = [_largest(each, results, computed, units) for each in others]
+    parts = zip(others, missed, strict=True)
+    error = rounding * units + sum(_bound(each, results, part * units) for each, part in parts)
     error[0] += turned_by_rounding(bodies, results)
     U, F = np.where(computed, error, 0.0)
-    lost = results.dissipation
+    by_chance = sum(each.chance_of_flow * part for each, part in zip(others, missed, strict=True))
+    lost, known = results.dissipation, max(rounding, by_chance)
     off = [each.factor * abs(lost - each.results.dissipation) for each in others]
-    dissipation = max(sum(off), rounding * lost)  # nan of an infinite one
+    dissipation = max(sum(off), known * lost)  # nan of an infinite one
     every = (_of_viscosity(results, each) for each in others)
     of_viscosity = [part for part in every if part is not None]
     viscosity = sum(of_viscosity) if of_viscosity else None
@@ -104,7 +110,9 @@ def step_errors(bodies: DrivenBodies, results: FlowResults, *others: Compared) -
     stress = reduce(operator.add, of_stress) if of_stress else None
     if stress is not None and (bulk := results.bulk) is not None and bulk.in_gaps is not None:
         stress += bulk.error_in_gaps
-    errors = ErrorEstimate(U, F, dissipation, viscosity, stress, *_of_driven(results, others))
+    errors = ErrorEstimate(
+        U, F, dissipation, viscosity, stress, *_of_driven(results, others, max(ROUNDING, by_chance))
+    )
     relative = relative_change(results, errors, motion.held, arms, scales)
     mu = results.apparent_viscosity
     if mu is not None and viscosity is not None:
@@ -150,17 +158,27 @@ def _motion(results: Results) -> Array:
     return np.stack([results.U, results.F])
 
 
-def _bound(other: Compared, results: Results, computed: NDArray[np.bool_], units: Array) -> Array:
+def _largest(other: Compared, results: Results, computed: NDArray[np.bool_], units: Array) -> float:
+    """The largest difference of U and F in their units, the largest velocity and load."""
+    counts = computed & (units > 0.0)
+    parts = np.divide(_difference(other, results), units, out=np.zeros_like(units), where=counts)
+    return float(parts.max(initial=0.0))
+
+
+def _bound(other: Compared, results: Results, largest: Array) -> Array:
     """What one other says of the errors of U and F, (2, N, M).
 
-    In their units, the largest velocity and load, each is known to a part of the largest difference of both:
-    a velocity that is small by chance beside others and beside what loads miss has by chance a small one.
+    Each is known to a part of the largest difference of both, (2, N, M): a velocity that is small by chance
+    beside others and beside what loads miss has by chance a small one.
     """
-    difference = other.factor * np.abs(_motion(other.results) - _motion(results))
-    counts = computed & (units > 0.0)
-    largest = np.divide(difference, units, out=np.zeros_like(units), where=counts).max(initial=0.0)
-    bound: Array = np.maximum(difference, other.chance * largest * units)
+    bound: Array = np.maximum(_difference(other, results), other.chance * largest)
     return bound
+
+
+def _difference(other: Compared, results: Results) -> Array:
+    """The factor times that of U and F, (2, N, M)."""
+    difference: Array = other.factor * np.abs(_motion(other.results) - _motion(results))
+    return difference
 
 
 def _of_viscosity(results: FlowResults, other: Compared) -> float | None:
@@ -171,14 +189,17 @@ def _of_viscosity(results: FlowResults, other: Compared) -> float | None:
 
 
 def _of_driven(
-    results: Measured, others: Sequence[Compared]
+    results: Measured, others: Sequence[Compared], known: float
 ) -> tuple[Mapping[str, float], float | None, float | None, float | None]:
-    """The sum for speeds of walls and the rate of shear by a stress, dp/dx by a flux, and a flux."""
+    """The sum for speeds of walls and the rate of shear by a stress, dp/dx by a flux, and a flux.
+
+    known: the part of each to which it is known at best.
+    """
 
     def bound(value: float, of_others: Iterable[float | None]) -> float:
-        known = [other for other in of_others if other is not None]  # all of them, of the same flow
-        off = (each.factor * abs(value - other) for each, other in zip(others, known, strict=True))
-        return max(sum(off), ROUNDING * abs(value))
+        found = [other for other in of_others if other is not None]  # all of them, of the same flow
+        off = (each.factor * abs(value - other) for each, other in zip(others, found, strict=True))
+        return max(sum(off), known * abs(value))
 
     flows, speeds = [each.results for each in others], results.wall_speeds
     of_walls = {wall: bound(speeds[wall], (flow.wall_speeds[wall] for flow in flows)) for wall in speeds}

@@ -52,15 +52,21 @@ class Cholesky:
         found: Array = (np.array(x).reshape(b.shape).T * self._scale).T
         return found
 
-    def residual(self, defect: Array, b: Array) -> float:
-        """The largest defect over the largest right side of its column, both scaled."""
-        return scaled_residual(defect, b, self._scale)
+    def residual(self, defect: Array, b: Array, dissipation: Array | float = 0.0) -> float:
+        """The largest defect of `scaled_residual`, rows scaled to unit diagonal."""
+        return scaled_residual((defect, b), self._scale, dissipation)
 
 
-def scaled_residual(defect: Array, b: Array, scale: Array) -> float:
-    """The largest defect over the largest right side of its column, both times the scale of rows."""
-    largest, size = (np.abs((r.T * scale).T).max(axis=0, initial=0.0) for r in (defect, b))
-    return float(np.max(largest / (size + _TINY), initial=0.0))
+def scaled_residual(rows: tuple[Array, Array], scale: Array, dissipation: Array | float) -> float:
+    """The largest defect over the size of its column: defects and right sides, (n,) or (n, k) each.
+
+    The right side of a free row is what given motions and loads add up to there, and may cancel to rounding,
+    as by symmetry. No row of K x, scaled to unit diagonal, is larger than the root of the dissipation
+    x^T K x, by Cauchy and Schwarz, so that this is the size of what cancels. scale: of rows. dissipation:
+    x^T K x of each column, with what is given.
+    """
+    largest, size = (np.abs((r.T * scale).T).max(axis=0, initial=0.0) for r in rows)
+    return float(np.max(largest / (size + np.sqrt(np.abs(dissipation)) + _TINY), initial=0.0))
 
 
 def _factors(upper: Any) -> Any:

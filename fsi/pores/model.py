@@ -19,7 +19,7 @@ from fsi.integration.errors import StepErrors
 from fsi.integration.state import Instant
 from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.pores.adapt import adapt
-from fsi.pores.bars import CHANCE, SAFETY, other_modes
+from fsi.pores.bars import CHANCE, CHANCE_OF_FLOW, SAFETY, other_modes
 from fsi.pores.fineness import Fineness
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.instant import PoreInstant
@@ -95,7 +95,7 @@ def errors_of(bodies: DrivenBodies, instant: PoreInstant) -> StepErrors:
     except NoPoresError as error:
         raise _named(bodies, error) from None
     other = _solved(bodies, system, None, process_time() - began)
-    return step_errors(bodies, instant, Compared(other, factor, CHANCE, CHANCE))
+    return step_errors(bodies, instant, Compared(other, factor, CHANCE, CHANCE, CHANCE_OF_FLOW))
 
 
 def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple[PoreInstant, StepErrors]:
@@ -118,7 +118,7 @@ def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple
         seconds = {"solve": process_time() - began}
         found, finer = (PoreInstant(bodies, flow, seconds) for flow in (pair.coarse, fine))
         found.require_sound()
-        errors = step_errors(bodies, found, Compared(finer, SAFETY, CHANCE, CHANCE))
+        errors = step_errors(bodies, found, Compared(finer, SAFETY, CHANCE, CHANCE, CHANCE_OF_FLOW))
         largest = max(errors.relative.values(), default=0.0)
         if largest <= tolerance:
             for flow in (pair.coarse, fine):

@@ -203,7 +203,6 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
         p += mu * of_p
         Ky = mu * product(system, y)
         defect = left(Ky)
-    residual = factors.residual(defect, rhs)
     x = y + base
     if not len(loading.walls):
         first = system.assembly.numbering.surface[:-1]
@@ -214,6 +213,7 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     inertia = D[body] * (U - loading.inertia.U0) if loading.inertia else np.zeros_like(U)
     F = np.where(loading.motion.held, reactions[body], loading.motion.F - inertia)
     dissipation = float(y @ Ky + 2.0 * of_base @ y + base_power)
+    residual = factors.residual(defect, rhs, dissipation / mu)
     flow = PoreFlow(system, loading, x, y, U, F, p, reactions, dissipation, {})
     flow.checks.update(residual=residual, power=_power(flow, flow.power_of_mean(loading.gradient)))
     flow.checks.update(_translations(flow))

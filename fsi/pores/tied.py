@@ -60,9 +60,9 @@ class TiedFactors:
         )
         return np.asarray(scale * z)
 
-    def residual(self, defect: Array, b: Array) -> float:
-        """The largest defect over the largest right side of its column, both scaled."""
-        return scaled_residual(defect, b, self._scale)
+    def residual(self, defect: Array, b: Array, dissipation: Array | float = 0.0) -> float:
+        """As that of `Cholesky`, constraints scaled to unit length."""
+        return scaled_residual((defect, b), self._scale, dissipation)
 
     def _times(self, z: Array) -> Array:
         of_free, p = self._parts(z)

@@ -10,6 +10,8 @@ import pytest
 import fsi
 from fsi.pores.instant import PoreInstant
 from fsi.report.pores import solution_json
+from fsi.studies.evaluate import of_motion
+from fsi.studies.search import trial_of
 from tests.net_flux import require_told
 
 LENGTH, GRADIENT = 5.0, -0.7
@@ -38,6 +40,9 @@ def test_the_gradient_of_a_flux_is_the_one_that_drives_it() -> None:
     solution = fsi.solve(fsi.make_case(**channel(net_flux=driven.flux)))
     require_told(solution, GRADIENT, 1e-8, solution_json)
     assert solution.flux is None
+    trial = trial_of(driven.case, 0.0, "flux")  # of `fsi search`
+    assert driven.errors is not None
+    assert (trial.quantity, trial.error) == pytest.approx((driven.flux, driven.errors.flux), rel=1e-9)
 
 
 def agreed(name: str, **drive: float) -> float:
@@ -71,3 +76,5 @@ def test_a_run_has_the_gradient_of_every_step(tmp_path: Path) -> None:
     assert solution.errors is not None
     assert steps["pressure_gradient"][0] == pytest.approx(solution.dp_dx, rel=1e-9)
     assert steps["err_pressure_gradient"][0] == pytest.approx(solution.errors.dp_dx, rel=1e-3)
+    mean = of_motion(case, tmp_path / "run", ["pressure gradient"])["pressure gradient"]
+    assert steps["pressure_gradient"].min() <= mean.value <= steps["pressure_gradient"].max()

@@ -5,10 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
+from fsi.errors import SolveError
 from fsi.pores.accuracy import solve_with_errors
+from fsi.pores.definite import Cholesky
 from fsi.pores.resistance import resistance_with_error
+
+# The drag of discs of radius 0.4 in a lattice of equilateral triangles of side 1, `model = "resolved"`.
+RESOLVED = 750.579
 
 
 def between_walls(gap: float, x: float, **more: object) -> Case:
@@ -69,3 +75,28 @@ def test_a_disc_that_is_pulled_along_two_narrow_gaps_moves() -> None:
     R = resistance_with_error(case).resistance.R
     assert found.U[0, 0] == pytest.approx(1.0 / R[0, 0], rel=1e-7)
     assert found.checks["power"] <= 1e-10
+
+
+@pytest.mark.parametrize("modes", [0, 1])
+def test_the_drag_of_a_lattice_is_no_residual(modes: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An upper bound of RESOLVED for a unit of viscosity, 1.3e-3 above.
+
+    All right sides are rounding, as the lattice is symmetric: over these the residual was 1. What is off by
+    1e-3 of the root of the dissipation in every free number is refused still.
+    """
+    disc = {"name": "disc", "radius": 0.4, "position": [0.0, 0.0], "velocity": [1.0, 0.0]}
+    data = {"name": "t", "model": "pores", "fluid": {"viscosity": 2.0}, "pores": {"modes": modes}}
+    data["domain"] = {"shape": "cell", "vectors": [[1.0, 0.0], [0.5, np.sqrt(0.75)]]}
+    case = parse_case(data | {"bodies": [disc]})
+    found = solve_with_errors(case).solution
+    assert 0.0 <= found.F[0, 0] / 2.0 / RESOLVED - 1.0 <= 2e-3
+    assert found.checks["residual"] <= 1e-14
+    solve = Cholesky.solve
+
+    def spoiled(factors: Cholesky, b: Array) -> Array:
+        off: Array = 1e-3 * np.sqrt(RESOLVED) * factors._scale
+        return solve(factors, b) + off
+
+    monkeypatch.setattr(Cholesky, "solve", spoiled)
+    with pytest.raises(SolveError, match="residual is violated"):
+        solve_with_errors(case)
