@@ -143,6 +143,20 @@ class Outline(ClosedCurve):
         return bend
 
     @cached_property
+    def tips(self) -> tuple[float, ...]:
+        """The t, ascending, of tips sharper than SHARPEST, where sizes do not follow the curvature.
+
+        Of each stretch that bends so much it is the point of the sample that bends most. Stretches with
+        joints have none.
+        """
+        sharpness = SHARPEST * self.radius * np.abs(self.curvature(self.t))
+        order = np.roll(np.arange(len(self.t)), -int(np.argmin(sharpness)))
+        ends = np.flatnonzero(np.diff(sharpness[order] > 1.0)) + 1
+        stretches = [some for some in np.split(order, ends) if sharpness[some[0]] > 1.0]
+        smooth = [some for some in stretches if not np.isin(self.t[some], self.joints).any()]
+        return tuple(sorted(float(self.t[some[np.argmax(sharpness[some])]]) for some in smooth))
+
+    @cached_property
     def _bends(self) -> Array:
         """Of the sample, growing no faster along the curve than SPREAD."""
         x, bends = self.sample.x, self._bend(self.followed(self.t))

@@ -122,11 +122,21 @@ class _Near:
     def breaks(self, start: float, end: float, fixed: Sequence[float]) -> Array:
         """Where nodes must stand, ascending."""
         turns, stops = range(floor(start), ceil(end) + 1), (*self.body.outline.joints, *fixed)
-        every = [turn + t for t in stops for turn in turns]
+        every = [turn + t for t in (*stops, *self._tips([start, end, *stops])) for turn in turns]
         inner = np.sort(every)
         apart = (inner > start + AT_JOINT) & (inner < end - AT_JOINT)
         apart[1:] &= np.diff(inner) > AT_JOINT
         return np.concatenate([[start], inner[apart], [end]])
+
+    def _tips(self, stops: Sequence[float]) -> list[float]:
+        """The t of sharp tips, but of those where a stop is: an element that goes around one turns over."""
+        outline = self.body.outline
+        if not outline.tips:
+            return []
+        tips = np.array(outline.tips)
+        away = np.linalg.norm(self.body.at(tips).x[:, None] - self.body.at(np.array(stops)).x, axis=2)
+        apart = away.min(axis=1) > 0.5 * self.surfaces.resolution.on_body(outline.bend(tips))
+        return [float(t) for t in tips[apart]]
 
     def opening(self, t: Array, x: Array, normal: Array) -> Array:
         """Into the body, where a gap beside it is opened, (n, 2)."""
