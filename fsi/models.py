@@ -20,7 +20,7 @@ from fsi.integration.state import Instant
 if TYPE_CHECKING:
     from fsi.integration.errors import ErrorEstimate
     from fsi.integration.evolution import Evolution, SteppedEvolution
-    from fsi.integration.state import Advance, Model
+    from fsi.integration.state import Advance, Model, Scheme
     from fsi.observables.resistance import Resistance, ResistanceErrors
 
 
@@ -133,16 +133,24 @@ def stepped(case: Case, model: Model) -> SteppedEvolution:
     return SteppedEvolution(stepper, case.names, q, estimated, strayed)
 
 
+def make_scheme(case: Case) -> Scheme | None:
+    """What makes the steps of a case from velocities; None where its model makes them."""
+    from fsi.integration.schemes import Beginning
+
+    make, masses, U = case.scheme.make, case.masses(), case.initial_velocity()
+    if make is None:
+        return None
+    return make(Beginning(np.zeros_like(U) if masses is None else masses, U, case.timing.smallest_step))
+
+
 def make_stepper(case: Case, model: Model) -> Advance:
     """The stepper that a case asks for by `time.scheme`, or by whether any body has a mass."""
-    from fsi.integration.schemes import Beginning
     from fsi.integration.state import Schedule
     from fsi.integration.stepper import Refinable, RefiningStepper, Stepper
 
-    time, masses, U = case.timing, case.masses(), case.initial_velocity()
+    time, scheme = case.timing, make_scheme(case)
     schedule = Schedule(time.end, case.kinks(), case.output.interval)
-    make = case.scheme.make
-    if make is None:
+    if scheme is None:
         from fsi.reduced.distance_model import DistanceModel
         from fsi.reduced.distance_stepper import DistanceStepper
 
@@ -150,7 +158,7 @@ def make_stepper(case: Case, model: Model) -> Advance:
         return DistanceStepper(cast(DistanceModel, model), case.container(), schedule, time.step)
     stepper = Stepper(
         model=model,
-        scheme=make(Beginning(np.zeros_like(U) if masses is None else masses, U, time.smallest_step)),
+        scheme=scheme,
         container=case.container(),
         names=case.names,
         schedule=schedule,

@@ -42,13 +42,14 @@ def _explain_one(mistake: ErrorDetails, path: tuple[int | str, ...], meaning: st
         known = ", ".join(dotted((*path, word)) for word in mistake["ctx"]["known"])
         remedy = f"use {known} or drop it" if known else "drop it"
         return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; {remedy}"
-    if mistake["type"] == "unknown_word":
+    if mistake["type"] in ("unknown_word", "unfit_key"):
         key, remedy = mistake["ctx"]["key"], mistake["ctx"]["remedy"]
         return f"{dotted((*path, key))} = {toml_text(given[key])}: {mistake['msg']}; {remedy}"
-    remedy = f"give {meaning}"
     if mistake["type"] == "missing":
-        return f"{dotted(path)}: missing; {remedy}"
-    return f"{dotted(path)} = {toml_text(given)}: {_complaint(mistake)}; {remedy}"
+        return f"{dotted(path)}: missing; give {meaning}"
+    complaint = f"{dotted(path)} = {toml_text(given)}: {_complaint(mistake)}"
+    has_remedy = mistake["type"] == "value_error" and "; " in mistake["msg"]
+    return complaint if has_remedy else f"{complaint}; give {meaning}"
 
 
 def _complaint(mistake: ErrorDetails) -> str:

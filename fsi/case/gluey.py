@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from fsi.arrays import Array
-from fsi.case.section import Name, NotNegative, Positive, Section, all_components
+from fsi.case.section import Name, NotNegative, Positive, Section, all_components, unfit
 
 type Variant = Literal["shifted", "cone", "film"]
 
@@ -93,22 +93,26 @@ class Gluey(Section):
     def _whole(self) -> Self:
         film = (self.eps, self.reference_gap, self.roughness)
         if self.gamma_min is not None and film != (None, None, None):
-            raise ValueError("gives gamma_min and what it follows from; drop one of them")
+            raise unfit("gamma_min", "follows from eps, reference_gap and roughness", "drop it, or those")
         if self.variant == "film":
             if self.eps is None or self.reference_gap is None:
-                raise ValueError('has variant = "film", which needs eps and reference_gap')
-            if (self.gamma_min, self.roughness, self.friction, self.tangential) != (None, None, 0.0, 0.0):
-                raise ValueError(
-                    'has variant = "film": never solid; drop gamma_min, roughness, friction, tangential'
-                )
+                raise unfit("variant", "is of films with eps and reference_gap", "give both")
+            for key in ("gamma_min", "roughness", "friction", "tangential"):
+                if getattr(self, key) != Gluey.model_fields[key].default:
+                    raise unfit(key, 'variant = "film" has none', "drop it, or give another variant")
             return self
-        if film != (None, None, None) and None in film:
-            raise ValueError("needs all of eps, reference_gap and roughness, or none")
+        given = [key for key, value in zip(_OF_FILMS, film, strict=True) if value is not None]
+        if given and None in film:
+            lacking = " and ".join(key for key in _OF_FILMS if key not in given)
+            raise unfit(given[0], f"tells the memory together with {lacking}", f"give {lacking}, or drop it")
         if self.roughness is not None and self.roughness >= (self.reference_gap or 0.0):
-            raise ValueError("has a roughness that is not below reference_gap")
+            raise unfit("roughness", "is not below reference_gap", "give a smaller one")
         if self.friction > 0.0 and self.gamma_min is None and self.roughness is None:
-            raise ValueError("has friction, but no solid contact; give gamma_min or the roughness")
+            raise unfit("friction", "there is no solid contact", "give gamma_min or the roughness")
         return self
+
+
+_OF_FILMS = ("eps", "reference_gap", "roughness")
 
 
 class LimitStudy(Section):

@@ -152,6 +152,11 @@ def refuse_unknown(key: str, known: Iterable[str]) -> None:
         raise PydanticCustomError("unknown_key", "unknown key", {"key": key, "known": words_like(key, known)})
 
 
+def unfit(key: str, what: str, remedy: str) -> PydanticCustomError:
+    """Pydantic's error for a key of a section that is wrong beside its others: what is wrong, what to do."""
+    return PydanticCustomError("unfit_key", "{what}", {"key": key, "what": what, "remedy": remedy})
+
+
 def words_like(word: str, known: Iterable[str]) -> list[str]:
     """The known word that looks like `word`, or all of them if none does."""
     known = list(known)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import fsi.parallel as parallel
+from fsi.case.quantities import names_of_quantities
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, option, output_to, require_writable
 from fsi.errors import InputError, SolveError
 from fsi.files import json_text
@@ -27,7 +28,9 @@ EXAMPLE = (
 
 def search(
     case_file: CaseFile,
-    quantity: Annotated[str, option("What shall have the target: one that [[expected]] rows have.")],
+    quantity: Annotated[
+        str, option(f"What shall have the target, as in [[expected]] rows: {names_of_quantities()}.")
+    ],
     target: Annotated[str, option("The value that it shall have, to the digits that are given.")],
     vary: Annotated[
         str,

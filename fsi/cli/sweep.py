@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import fsi.parallel as parallel
+from fsi.case.quantities import names_of_quantities
 from fsi.cli.arguments import CaseFile, Overrides, Scheduler, option, output_to, pool_of
 from fsi.errors import InputError, SolveError
 from fsi.report.console import standard_output
@@ -28,7 +29,8 @@ COMMAND = "sweep-run"
 def sweep(
     case_file: CaseFile,
     quantity: Annotated[
-        list[str], option("What is wanted: one that [[expected]] rows have. May be repeated.", False)
+        list[str],
+        option(f"What is wanted, as in [[expected]] rows: {names_of_quantities()}. May be repeated.", False),
     ],
     vary: Annotated[
         list[str] | None,

@@ -6,7 +6,7 @@ One more scheme is one class: it satisfies `fsi.integration.state.Scheme` and st
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from fsi.errors import refuse_taken
 from fsi.integration.adams import Adams
 from fsi.integration.state import Instant, Model, Scheme, State, Trial, velocities
 from fsi.levels import VISCOUS
+
+type _Inertia = Literal["none", "some", "all"]
+
+_OF_SCHEMES = ("error_order", "start", "step")  # what `Scheme` has
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +52,7 @@ class SchemeKind:
     name: str
     order: int
     make: Callable[[Beginning], Scheme] | None
-    inertia: Literal["none", "some", "all"]
+    inertia: _Inertia
     models: tuple[str, ...]
 
     @property
@@ -61,14 +65,19 @@ SCHEMES: dict[str, SchemeKind] = {}
 
 
 def register_scheme[T: Callable[[Beginning], Scheme]](
-    name: str, order: int, inertia: Literal["none", "some", "all"] = "none"
+    name: str, order: int, inertia: _Inertia = "none"
 ) -> Callable[[T], T]:
     """Put a scheme into the registry: a class, or a function, that makes it from a `Beginning`.
 
-    Raises ValueError: another one has its name.
+    Raises ValueError: another one has its name, the class is no scheme, or there is no such inertia.
     """
 
     def register(make: T) -> T:
+        if inertia not in (words := get_args(_Inertia.__value__)):
+            raise ValueError(f"{name!r}: inertia = {inertia!r} is none of {', '.join(words)}")
+        lacking = [part for part in _OF_SCHEMES if isinstance(make, type) and not hasattr(make, part)]
+        if lacking:
+            raise ValueError(f"{name!r}: {make.__name__} is no scheme, as it lacks {', '.join(lacking)}")
         if name in SCHEMES:
             refuse_taken(name, SCHEMES[name].make or SchemeKind, make)
         SCHEMES[name] = SchemeKind(name, order, make, inertia, VISCOUS)

@@ -274,14 +274,14 @@ class Advance(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class StepRecord:
-    """One accepted step as the tables show it; step 0, of length 0, is the start.
+    """One accepted step as the tables show it; step 0, of length 0, is the start. In the units of the case.
 
     Attributes:
-        rejected: how many tries came before.
-        U: velocities, shape (N, M).
-        F: external loads, shape (N, M).
-        columns: the further columns of steps.csv.
-        body_columns: those of bodies.csv, (N,) each.
+        step, t, h, rejected: its number, its end and length in time, and how many tries came before.
+        smallest_gap: at t, of all between bodies and to walls, a length.
+        q: where bodies are at t: centres, lengths, and angles, radians.
+        U, F: velocities and external loads at t, shape (N, M): of centres, then of turns in radians.
+        columns, body_columns: the further ones of steps.csv, and those of bodies.csv, (N,) each.
     """
 
     step: int

@@ -1,13 +1,14 @@
 """Numbers of a solved case by the names that [[expected]] rows and `fsi search` give them."""
 
 from collections.abc import Sequence
+from math import nan
 
 import numpy as np
 import scipy  # its modules load when they are used
 
 from fsi.arrays import Array
 from fsi.case.case import Case
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, SHEAR_RATE, TIME_AT_GAP, WALL_SPEED
+from fsi.case.quantities import NUMBERS, time_at_gap
 from fsi.errors import InputError
 from fsi.integration.state import Measured
 from fsi.observables.kinks import between_kinks
@@ -20,14 +21,13 @@ _PASSING = (
 
 
 def computed(case: Case, results: Measured, quantity: str) -> float:
-    """The value of `disc.force.y`, by the fluid on the body, `disc.velocity.x`, `dissipation`, ..."""
-    if quantity == DISSIPATION:
-        return results.dissipation
-    if quantity == APPARENT_VISCOSITY:
-        return float("nan") if results.apparent_viscosity is None else results.apparent_viscosity
-    if quantity in (SHEAR_RATE, WALL_SPEED):
-        # Only what a stress moves has these, and the case was checked for that.
-        return stress_driven(results)[stress_column(case, quantity)]
+    """The value of `disc.force.y`, by the fluid on the body, `disc.velocity.x`, `dissipation`, ...
+
+    results: or their errors. Not a number where they have none.
+    """
+    if quantity in NUMBERS:
+        value = NUMBERS[quantity].value(results)
+        return nan if value is None else value
     body, mode = component(case, quantity)
     values = results.U if quantity.split(".")[1] in ("velocity", "angular_velocity") else -results.F
     return float(values[body, mode])
@@ -48,11 +48,6 @@ def stress_driven(found: Measured) -> dict[str, float]:
     columns = {f"speed_{wall}": speed for wall, speed in found.wall_speeds.items()}
     others = {"shear_rate": found.shear_rate, "pressure_gradient": found.dp_dx, "flux": found.flux}
     return columns | {name: value for name, value in others.items() if value is not None}
-
-
-def stress_column(case: Case, quantity: str) -> str:
-    """That of the rate of shear or of the wall in steps.csv."""
-    return "shear_rate" if quantity == SHEAR_RATE else f"speed_{next(iter(case.wall_stress(0.0)))}"
 
 
 def time_at(gap: float, t: Array, gaps: Array, kinks: Sequence[float] = ()) -> tuple[float, float]:
@@ -83,7 +78,7 @@ def time_at(gap: float, t: Array, gaps: Array, kinks: Sequence[float] = ()) -> t
 
 def _require_passed(gap: float, gaps: Array) -> None:
     """Raise InputError if no step ends with that gap or less, or if the run begins with less."""
-    here, least = f"{TIME_AT_GAP}{gap:g}", int(gaps.argmin())
+    here, least = time_at_gap(gap), int(gaps.argmin())
     smallest = gaps[least]
     if gap < smallest < gaps[-1]:
         found = f"the smallest gap at its steps is {smallest:.4g}, and it opens at the end"

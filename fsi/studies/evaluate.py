@@ -1,7 +1,6 @@
 """Quantities of a case by name, at time 0 or of its motion: what `fsi search` and `fsi sweep` look at."""
 
 import csv
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -15,19 +14,10 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_quantity
-from fsi.case.sections import (
-    APPARENT_VISCOSITY,
-    DISSIPATION,
-    QUANTITY,
-    SHEAR_RATE,
-    TIME_AT_GAP,
-    WALL_SPEED,
-    Expected,
-    gap_of,
-)
+from fsi.case.quantities import NUMBERS, gap_of, is_quantity, is_time, names_of_quantities
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.models import flow_solvers, require_instant
-from fsi.observables.quantities import component, computed, stress_column, time_at
+from fsi.observables.quantities import component, computed, time_at
 from fsi.reduced.model import ReducedModel
 from fsi.run_folder.kept import BODIES, CASE, STEPS
 from fsi.runs import resume, run
@@ -99,9 +89,9 @@ def of_motion(case: Case, folder: Path, quantities: Iterable[str]) -> Evaluation
 def require_quantity(case: Case, quantity: str, *, moving: bool = False) -> None:
     """Raise InputError if a case has no such quantity, at one instant or, moving, of a run."""
     here = f"--quantity {quantity}"
-    of_run = ".position." in quantity or quantity.startswith(TIME_AT_GAP)
-    if not re.fullmatch(QUANTITY, quantity):
-        raise InputError(f"{here}: no such number; give {Expected.describe('quantity')}")
+    of_run = ".position." in quantity or is_time(quantity)
+    if not is_quantity(quantity):
+        raise InputError(f"{here}: no such number; give {names_of_quantities()}")
     if of_run and not moving:
         raise InputError(f"{here}: is of a run, not of an instant; give a velocity or a force, or {_OF_RUN}")
     check_quantity(case, quantity, here)
@@ -127,25 +117,24 @@ def _finite(found: FoundValue, quantity: str) -> FoundValue:
     return found
 
 
-def _column(case: Case, quantity: str) -> str | None:
-    """Which column of steps.csv is averaged over the time of a run; None where none is."""
-    if quantity in (SHEAR_RATE, WALL_SPEED):
-        return stress_column(case, quantity)
-    return {DISSIPATION: "dissipation", APPARENT_VISCOSITY: "apparent_viscosity"}.get(quantity)
+def _mean(case: Case, folder: Path, quantity: str) -> FoundValue:
+    """Of a number of the flow over the time of a run."""
+    number, table = NUMBERS[quantity], np.genfromtxt(folder / STEPS, delimiter=",", names=True)
+    column = number.column(case)
+    if column not in (table.dtype.names or ()):
+        raise InputError(f"--quantity {quantity}: runs of this model have none; take another quantity")
+    of_steps = table["t"], table[column], case.kinks()
+    if number.square:
+        require_enough(table["t"], case.kinks(), quantity)
+        return FoundValue(*mean_dissipation(*of_steps, *_relaxed(case, folder)))
+    _require_numbers(quantity, table["t"], table[column])
+    return FoundValue(*mean_over_time(*of_steps))
 
 
 def _moved(case: Case, folder: Path, quantity: str) -> FoundValue:
-    if (column := _column(case, quantity)) is not None:
-        table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
-        if column not in (table.dtype.names or ()):
-            raise InputError(f"--quantity {quantity}: runs of this model have none; take another quantity")
-        if quantity == DISSIPATION:
-            require_enough(table["t"], case.kinks(), quantity)
-            of_steps = table["t"], table[column], case.kinks()
-            return FoundValue(*mean_dissipation(*of_steps, *_relaxed(case, folder)))
-        _require_numbers(quantity, table["t"], table[column])
-        return FoundValue(*mean_over_time(table["t"], table[column], case.kinks()))
-    if quantity.startswith(TIME_AT_GAP):
+    if quantity in NUMBERS:
+        return _mean(case, folder, quantity)
+    if is_time(quantity):
         table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
         at, error = time_at(gap_of(quantity), table["t"], table["smallest_gap"], case.kinks())
         return FoundValue(at, error + _strayed(table, at))

@@ -12,8 +12,9 @@ import numpy as np
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_expected
 from fsi.case.load import load_case, override, parse_case
+from fsi.case.quantities import gap_of, is_time
 from fsi.case.section import nearest_word, toml_text
-from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
+from fsi.case.sections import Expected
 from fsi.errors import InputError
 from fsi.files import csv_of, json_text, write_whole
 from fsi.lubrication.exact_results import EXACT, ExactProblem
@@ -38,7 +39,7 @@ def exact_value(case: Case, name: str, quantity: str) -> float:
     q = case.configuration()
     motion, far = case.motion_at(q, 0.0), case.wall_velocity(0.0).get("far")
     body, mode, gap = 0, 0, 0.0
-    if quantity.startswith(TIME_AT_GAP):
+    if is_time(quantity):
         gap = gap_of(quantity)
     else:
         body, mode = component(case, quantity)
@@ -200,9 +201,9 @@ def _require_comparable(path: Path, case: Case) -> None:
     check_expected(case)
     for i, row in enumerate(case.expected):
         here = f"{path}: expected.{i}.quantity = {toml_text(row.quantity)}"
-        if case.time is not None and not row.quantity.startswith(TIME_AT_GAP):
-            raise InputError(f"{here}: a case with [time] is validated by `{TIME_AT_GAP}...` alone; drop it")
-        if case.time is None and row.quantity.startswith(TIME_AT_GAP):
+        if case.time is not None and not is_time(row.quantity):
+            raise InputError(f"{here}: a case with [time] is validated by `time at gap ...` alone; drop it")
+        if case.time is None and is_time(row.quantity):
             raise InputError(f"{here}: is that of a run; add a section [time] with its end")
         if case.time is None and row.quantity.split(".")[1:2] == ["position"]:
             raise InputError(f"{here}: a position is given at time 0; expect a velocity or a force")

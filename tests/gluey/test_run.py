@@ -77,7 +77,18 @@ def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ("gluey.friction=0.3", "gluey = .*has friction, but no solid contact"),
+        (
+            "gluey.friction=0.3",
+            r"^gluey\.friction = 0\.3: there is no solid contact; give gamma_min or the roughness$",
+        ),
+        (
+            "gluey={variant='film',eps=0.1,reference_gap=0.1,roughness=0.01}",
+            r'^gluey\.roughness = 0\.01: variant = "film" has none; drop it, or give another variant$',
+        ),
+        ("gluey.eps=0.1", r"^gluey\.eps = 0\.1: .* give reference_gap and roughness, or drop it$"),
+        ("gluey={eps=0.1,reference_gap=0.1,roughness=0.1}", r"^gluey\.roughness = 0\.1: is not below"),
+        ("gluey={gamma_min=0.0,eps=0.1}", r"^gluey\.gamma_min = 0\.0: .* drop it, or those$"),
+        ("gluey={variant='film',eps=0.1}", r'^gluey\.variant = "film": .* give both$'),
         ("gluey.gamma_min=1.0", r"gluey\.gamma_min"),
         ("bodies.0.position=[0.0, 0.0]", "overlap"),
         ("gluey={variant='film',eps=0.1,reference_gap=0.1}", "touch"),

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 import pytest
@@ -219,6 +219,23 @@ def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyP
         gap = end.q.centres[0, 1] - 1.0
         errors.append(abs(float(settling_time(gap, 1.0, 1.0, 1.0, -4 * math.pi)) - 1.0))
     assert slope(errors) == pytest.approx(2.0, abs=0.1)
+
+
+def test_what_is_no_scheme_is_refused_as_it_is_registered() -> None:
+    """It was taken, and a run ended with "no attribute 'start'"."""
+
+    class Idle:
+        error_order: ClassVar[int] = 3
+
+        def __init__(self, _: Beginning) -> None:
+            pass
+
+    with pytest.raises(ValueError, match=r"^'idle': Idle is no scheme, as it lacks start, step$"):
+        register_scheme("idle", 2)(cast(Any, Idle))
+    always: Any = "always"
+    with pytest.raises(ValueError, match=r"^'idle': inertia = 'always' is none of none, some, all$"):
+        register_scheme("idle", 2, inertia=always)(cast(Any, Idle))
+    assert "idle" not in SCHEMES
 
 
 def test_a_scheme_whose_name_is_taken_is_refused() -> None:

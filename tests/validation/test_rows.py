@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fsi.case.case import Case
-from fsi.case.load import load_case
+from fsi.case.load import load_case, parse_case
 from fsi.case.sections import Expected
 from fsi.comparison.motion import RateComparison, Trajectories
 from fsi.errors import InputError
@@ -51,10 +51,16 @@ def test_a_reference_is_known_to_half_a_unit_of_its_last_digit(value: float, dig
     assert reference(case, row) == pytest.approx((value, digits), rel=1e-12)
 
 
-def test_the_second_run_has_steps_half_as_long_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Errors of order 3: a tolerance of 1.5^3 times, so that the difference is more than twice the error."""
+@pytest.mark.parametrize("inertia", [[], ["bodies.0.mass=1.0", "bodies.0.moment_of_inertia=0.5"]])
+def test_the_second_run_has_steps_half_as_long_again(
+    inertia: list[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """What steps are chosen by goes with their third power, with and without mass: 1.5^3 times the tolerance.
+
+    With mass the motion is of order 2, and 1.5^2 times the tolerance made steps 1.31 times as long.
+    """
     case = load_case(
-        CASES / "settling_disc.toml", ["time.tolerance=1e-3", "time.gap_loss=0.2", "expected=[]"]
+        CASES / "settling_disc.toml", ["time.tolerance=1e-3", "time.gap_loss=0.2", "expected=[]", *inertia]
     )
     asked: list[Any] = []
 
@@ -67,6 +73,24 @@ def test_the_second_run_has_steps_half_as_long_again(monkeypatch: pytest.MonkeyP
     assert resolved._history(case, tmp_path) == []
     assert [time.tolerance for time in asked] == pytest.approx([1e-3, 3.375e-3])
     assert [time.gap_loss for time in asked] == pytest.approx([0.2, 0.3])
+
+
+def test_a_channel_is_validated_by_the_gradient_of_its_flux(tmp_path: Path) -> None:
+    """Plane Poiseuille flow, Q = -G H^3 / 12 mu; the flux, another number of the same flow, is 1.7."""
+    mu, height, flux = 3.0, 5.0, 1.7
+    domain = {"lower": [0.0, 0.0], "upper": [4.0, height], "periodic": ["x"], "net_flux": flux}
+    row = {"quantity": "pressure gradient", "value": -12.0 * mu * flux / height**3}
+    case = parse_case(
+        {
+            "name": "a channel", "fluid": {"viscosity": mu}, "domain": domain, "bodies": [],
+            "discretisation": {"degree": 2, "cells_per_circle": 6, "growth": 1.0},
+            "expected": [row | {"rtol": 1e-9, "source": "plane Poiseuille flow"}],
+        }
+    )  # fmt: skip
+    (found,) = resolved.rows_at("channel", None, case, tmp_path)
+    assert found.passed
+    assert 0.0 < found.mesh_error < 1e-8
+    assert found.truncation == 0.0
 
 
 def compared(gaps: Any, errors: Any) -> RateComparison:

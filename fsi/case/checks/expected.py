@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsi.case.case import Case
+from fsi.case.quantities import NUMBERS, is_time
 from fsi.case.section import nearest_word, toml_text
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, SHEAR_RATE, WALL_SPEED, Expected
+from fsi.case.sections import Expected
 from fsi.errors import InputError
 
 if TYPE_CHECKING:  # exact results take long to load
@@ -34,16 +35,11 @@ def check_expected(case: Case) -> None:
 
 def check_quantity(case: Case, quantity: str, here: str) -> None:
     """Raise InputError if the case cannot give that quantity; here: the key and value of the user."""
-    if "." in quantity and not quantity.startswith("time"):
+    if quantity in NUMBERS:
+        if lacking := NUMBERS[quantity].lacking(case):
+            raise InputError(f"{here}: {lacking}")
+    elif not is_time(quantity):
         _check_component(case, quantity, here)
-    elif quantity == APPARENT_VISCOSITY and not len(case.container().periods):
-        raise InputError(f"{here}: is that of a periodic domain; drop it")
-    elif quantity == SHEAR_RATE and case.domain.mean_drive().mean_stress is None:
-        raise InputError(f"{here}: is found in a cell under a stress; give domain.stress")
-    elif quantity == WALL_SPEED and not case.wall_stress(0.0):
-        raise InputError(
-            f"{here}: is found in a channel under a stress; give domain.walls.top = {{ stress = 1.0 }}"
-        )
 
 
 def _check_component(case: Case, quantity: str, here: str) -> None:
@@ -120,8 +116,10 @@ def _check_approach(case: Case, quantity: str, here: str) -> None:
 
 
 def _kind(quantity: str) -> str:
-    """`force`, `velocity` or `time`, a torque being a force here and a rotation a velocity."""
-    if "." not in quantity or quantity.startswith("time"):
-        return "dissipation" if quantity == DISSIPATION else quantity.split()[0]
+    """`force`, `velocity` or `time`, a torque being a force here and a rotation a velocity; else its name."""
+    if quantity in NUMBERS:
+        return quantity
+    if is_time(quantity):
+        return "time"
     kind = quantity.split(".")[1]
     return {"torque": "force", "angular_velocity": "velocity"}.get(kind, kind)

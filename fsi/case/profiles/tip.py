@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from fsi.arrays import Array
 from fsi.case.profiles.profile import WallProfile, register_profile
 from fsi.case.section import Positive
+from fsi.case.tip_profile import TipProfile
 from fsi.meshes.geometry.relief import Heights
 
 
@@ -37,33 +38,35 @@ class TipOfWall(WallProfile):
             raise ValueError("has a tip whose height is far from its length; give another height")
         return self
 
-    def _slope(self, x: float) -> float:
-        return float((1.0 + self.alpha) * (x / self.length) ** self.alpha)
+    @property
+    def _profile(self) -> TipProfile:
+        return TipProfile(self.length, self.alpha)
 
     @property
     def _foot(self) -> float:
         """The x at which the arc begins: what both go down is the height."""
+        profile = self._profile
 
         def over(x: float) -> float:
             down = self.length * (x / self.length) ** (1.0 + self.alpha)
-            return float(down + self.rounding * (1.0 - 1.0 / np.hypot(1.0, self._slope(x))) - self.height)
+            return float(down + self.rounding * (1.0 - 1.0 / np.hypot(1.0, profile.slope(x))) - self.height)
 
         highest = self.length * (self.height / self.length) ** (1.0 / (1.0 + self.alpha))
         return float(scipy.optimize.brentq(over, 0.0, highest, xtol=1e-16 * highest, rtol=1e-15))
 
     @override
     def heights(self) -> Heights:
-        w, power, R, unit = self._foot, 1.0 + self.alpha, self.rounding, self.length
-        slope = self._slope(w)
+        w, R, profile = self._foot, self.rounding, self._profile
+        slope = profile.slope(w)
         end = w + R * slope / float(np.hypot(1.0, slope))
 
         def at(x: Array) -> tuple[Array, Array, Array]:
             side, x = np.sign(x - self.place), np.abs(x - self.place)
-            s, left = x / unit, np.clip(end - x, 0.0, None)  # from where the wall is straight again
+            left = np.clip(end - x, 0.0, None)  # from where the wall is straight again
+            down, steep, bend = profile.at(x)
             arc = np.sqrt(np.maximum(R**2 - left**2, 0.0))
+            on_tip = (self.height - down, -steep, -bend)
             with np.errstate(divide="ignore"):
-                bent = -power * self.alpha / unit * s ** (self.alpha - 1.0)
-                on_tip = (self.height - unit * s**power, -power * s**self.alpha, bent)
                 on_arc = (left**2 / (R + arc), -left / arc, R**2 / arc**3)
             h, dh, ddh = (np.where(x < w, one, other) for one, other in zip(on_tip, on_arc, strict=True))
             return h, side * dh, ddh

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from fsi.arrays import Array
 from fsi.case.section import Positive
 from fsi.case.shapes.shape import BodyShape, register_shape
+from fsi.case.tip_profile import TipProfile
 from fsi.meshes.geometry.jets import ArcChain, Jet, JetOf
 
 
@@ -33,15 +34,16 @@ class Tip(BodyShape):
             raise ValueError("has a tip that is flatter than the disc; give a length below 2 radii")
         return self
 
-    def _slope(self, x: float) -> float:
-        return float((1.0 + self.alpha) * (x / self.length) ** self.alpha)
+    @property
+    def _profile(self) -> TipProfile:
+        return TipProfile(self.length, self.alpha)
 
     @property
     def _end(self) -> float:
         """The x at which the arc begins: its centre is on the axis, at a radius along the normal."""
 
         def off(x: float) -> float:
-            return float(x * np.hypot(1.0, 1.0 / self._slope(x)) - self.radius)
+            return float(x * np.hypot(1.0, 1.0 / self._profile.slope(x)) - self.radius)
 
         return float(scipy.optimize.brentq(off, 1e-14 * self.radius, self.radius, xtol=1e-16, rtol=1e-15))
 
@@ -49,7 +51,7 @@ class Tip(BodyShape):
     def _parts(self) -> tuple[float, float]:
         """t where the arc begins and ends; by lengths, in which the tip counts its width."""
         w = self._end
-        arc = 2.0 * (np.pi - np.arctan(self._slope(w))) * self.radius
+        arc = 2.0 * (np.pi - np.arctan(self._profile.slope(w))) * self.radius
         return w / (2.0 * w + arc), (w + arc) / (2.0 * w + arc)
 
     @property
@@ -59,18 +61,17 @@ class Tip(BodyShape):
 
     @override
     def curve(self) -> JetOf:
-        w, (begin, end), power = self._end, self._parts, 1.0 + self.alpha
-        height, heading = self.length * (w / self.length) ** power, float(np.arctan(self._slope(w)))
+        w, (begin, end), profile = self._end, self._parts, self._profile
+        heading = float(np.arctan(profile.slope(w)))
         turn = 2.0 * (np.pi - heading)
-        start = np.array([w, height])
+        start = np.array([w, profile.at(np.array(w))[0]])
         arc = ArcChain(np.array([turn * self.radius]), np.array([1.0 / self.radius]), start, heading)
         rate = w / begin
 
         def tip(t: Array) -> Jet:
             x = rate * t
-            s = np.abs(x) / self.length
-            y, dy = self.length * s**power, np.sign(x) * power * s**self.alpha
-            ddy = power * self.alpha / self.length * s ** (self.alpha - 1.0)
+            y, slope, ddy = profile.at(np.abs(x))
+            dy = np.sign(x) * slope
             one, zero = np.full_like(x, rate), np.zeros_like(x)
             return Jet(np.column_stack([x, y]), np.column_stack([one, rate * dy]),
                        np.column_stack([zero, rate**2 * ddy]))  # fmt: skip
