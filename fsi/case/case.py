@@ -36,7 +36,7 @@ from fsi.case.sections import (
     Time,
 )
 from fsi.case.series import value_at
-from fsi.case.walls import WallVelocity
+from fsi.case.wall_velocity import WallVelocity
 from fsi.errors import InputError
 from fsi.levels import LEVELS, ModelLevel
 from fsi.meshes.geometry.container import Container

@@ -1,33 +1,36 @@
-"""What holds at the walls of a domain: a velocity, or a traction."""
+"""What holds at the walls of a domain: a velocity, or a traction.
 
-from dataclasses import dataclass
+One more flow on a wall is one more section here, under `@register_wall`: its `velocity_at` says u_0 and G of
+`u = u_0 + G x`, which is all that others ask.
+"""
+
+from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal, override
 
 import numpy as np
-from pydantic import ConfigDict, Discriminator, RootModel, Tag
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    RootModel,
+    SerializeAsAny,
+    Tag,
+    ValidationInfo,
+)
 
-from fsi.arrays import Array
 from fsi.case.section import Positive, Section, nearest_word
 from fsi.case.series import Series, Table, kinks, value_at
-
-
-@dataclass(frozen=True, slots=True)
-class WallVelocity:
-    """The velocity of the fluid at a wall, `u = velocity + shear h e_x`.
-
-    Attributes:
-        velocity: shape (d,).
-        shear: the rate; h is the last coordinate, y in the plane and z in space.
-    """
-
-    velocity: Array
-    shear: float
+from fsi.case.wall_velocity import WallVelocity
+from fsi.errors import refuse_taken
 
 
 class WallCondition:
-    """What holds at a wall; here, what most conditions answer."""
+    """What holds at a wall; here, what most conditions answer.
 
-    tag: ClassVar[str]
+    form: what a case file has at such a wall, as messages say it.
+    """
+
+    form: ClassVar[str]
 
     @property
     def outside_pressure(self) -> float | None:
@@ -66,12 +69,12 @@ class WallCondition:
     @property
     def rests(self) -> bool:
         """Whether its velocity is zero at all times."""
-        return all(v is not None and not v.shear and not v.velocity.any() for v in self._at_kinks())
+        return all(v is not None and v.is_zero for v in self._at_kinks())
 
     def suits_axis(self, *, along: bool) -> bool:
         """Whether it is symmetric about the axis, at a wall along that or across it."""
         velocities = [v for v in self._at_kinks() if v is not None]
-        return not any(v.shear or (v.velocity[0] and not along) for v in velocities)
+        return all(v.about_axis and (along or not v.velocity[0]) for v in velocities)
 
     def _at_kinks(self) -> list[WallVelocity | None]:
         """The velocity when it may be extreme: between its kinks it is linear in time."""
@@ -83,7 +86,7 @@ class Open(RootModel[Any], WallCondition):
 
     root: Literal["open"]
 
-    tag: ClassVar[str] = "<word>"
+    form: ClassVar[str] = '"open"'
     model_config = ConfigDict(defer_build=True)
 
     @property
@@ -97,12 +100,12 @@ class Velocity(RootModel[Any], WallCondition):
 
     root: tuple[Series, ...]
 
-    tag: ClassVar[str] = "<velocity>"
+    form: ClassVar[str] = "its velocity [u_x, u_y] (in space [u_x, u_y, u_z])"
     model_config = ConfigDict(defer_build=True, frozen=True, strict=True, allow_inf_nan=False)
 
     @override
     def velocity_at(self, t: float, dimension: int) -> WallVelocity:
-        return WallVelocity(np.array([value_at(component, t) for component in self.root]), 0.0)
+        return WallVelocity.uniform([value_at(component, t) for component in self.root])
 
     @override
     def series(self) -> tuple[float | Table, ...]:
@@ -113,10 +116,41 @@ class Velocity(RootModel[Any], WallCondition):
         return self.root
 
 
-class Pressure(Section, WallCondition):
+class WallSection(Section, WallCondition):
+    """A condition that a table gives; its keys tell which."""
+
+    @classmethod
+    @override
+    def alternatives(cls) -> Sequence[type[Section]]:
+        return list(dict.fromkeys(_SECTIONS.values()))
+
+
+_SECTIONS: dict[str, type[WallSection]] = {}  # by their keys
+
+
+def register_wall[T: WallSection](section: type[T]) -> type[T]:
+    """Take up a condition, in place of the same one where that is loaded anew; a decorator.
+
+    Raises ValueError: another one has a key of it.
+    """
+    for key in section.model_fields:
+        refuse_taken(key, _SECTIONS.get(key, section), section)
+    _SECTIONS.update(dict.fromkeys(section.model_fields, section))
+    return section
+
+
+def wall_forms() -> str:
+    """What may stand at a wall, as messages list it."""
+    kinds: list[type[WallCondition]] = [Velocity, Open, *_SECTIONS.values()]
+    *most, last = dict.fromkeys(kind.form for kind in kinds)
+    return f"{', '.join(most)} or {last}"
+
+
+@register_wall
+class Pressure(WallSection):
     """An open wall: the traction there is `sigma n = -pressure n`."""
 
-    tag: ClassVar[str] = "<pressure>"
+    form: ClassVar[str] = "{pressure = p}"
     pressure: float
     """the pressure outside an open wall, a number"""
 
@@ -126,22 +160,26 @@ class Pressure(Section, WallCondition):
         return self.pressure
 
 
-class Shear(Section, WallCondition):
+@register_wall
+class Shear(WallSection):
     """A wall on which the fluid has the shear flow `u = shear y e_x`, in space `shear z e_x`."""
 
-    tag: ClassVar[str] = "<shear>"
+    form: ClassVar[str] = "{shear = rate}"
     shear: float
     """the shear rate of the flow u_x = shear y (in space shear z), a number"""
 
     @override
     def velocity_at(self, t: float, dimension: int) -> WallVelocity:
-        return WallVelocity(np.zeros(dimension), self.shear)
+        gradient = np.zeros((dimension, dimension))
+        gradient[0, -1] = self.shear
+        return WallVelocity(np.zeros(dimension), gradient)
 
 
-class Stress(Section, WallCondition):
+@register_wall
+class Stress(WallSection):
     """A wall of a channel that a shear stress moves along itself; how fast is a result."""
 
-    tag: ClassVar[str] = "<stress>"
+    form: ClassVar[str] = "{stress = force over length} of a channel"
     stress: Series
     """the force of a wall of a channel on the fluid along x, over its length (in space its area), a series"""
 
@@ -154,10 +192,11 @@ class Stress(Section, WallCondition):
         return (self.stress,)
 
 
-class SlidingWall(Section, WallCondition):
+@register_wall
+class SlidingWall(WallSection):
     """A wall along which fluid slides, and which may move itself."""
 
-    tag: ClassVar[str] = "<slip>"
+    form: ClassVar[str] = "{slip_length = b, velocity = [u_x, u_y]}"
     slip_length: Positive
     """the slip length of a wall along which fluid slides, a number > 0"""
     velocity: tuple[Series, ...] | None = None
@@ -171,7 +210,7 @@ class SlidingWall(Section, WallCondition):
     @override
     def velocity_at(self, t: float, dimension: int) -> WallVelocity:
         given = self.velocity or (0.0,) * dimension
-        return WallVelocity(np.array([value_at(component, t) for component in given]), 0.0)
+        return WallVelocity.uniform([value_at(component, t) for component in given])
 
     @override
     def series(self) -> tuple[float | Table, ...]:
@@ -186,20 +225,27 @@ class SlidingWall(Section, WallCondition):
         return self.model_copy(update={"velocity": None})
 
 
-def _wall_kind(value: Any) -> str:
-    if isinstance(value, dict):
-        words = ("pressure", "shear", "stress", *SlidingWall.model_fields)
-        key = nearest_word(str(next(iter(value), "pressure")), words)
-        return SlidingWall.tag if key in SlidingWall.model_fields else f"<{key}>"
-    return getattr(value, "tag", Open.tag if isinstance(value, str) else Velocity.tag)
+def _read(value: Any, info: ValidationInfo) -> Any:
+    """The section whose key a table has first, or one that looks most like it; a section as it is."""
+    if not isinstance(value, dict):
+        return value
+    section = _SECTIONS[nearest_word(str(next(iter(value), "pressure")), _SECTIONS)]
+    return section.model_validate(value, context=info.context)
+
+
+def _kind(value: Any) -> str:
+    match value:
+        case dict() | WallSection():
+            return "<table>"
+        case str() | Open():
+            return "<word>"
+        case _:
+            return "<velocity>"
 
 
 Wall = Annotated[
-    Annotated[Open, Tag(Open.tag)]
-    | Annotated[Velocity, Tag(Velocity.tag)]
-    | Annotated[Pressure, Tag(Pressure.tag)]
-    | Annotated[Shear, Tag(Shear.tag)]
-    | Annotated[Stress, Tag(Stress.tag)]
-    | Annotated[SlidingWall, Tag(SlidingWall.tag)],
-    Discriminator(_wall_kind),
+    Annotated[Open, Tag("<word>")]
+    | Annotated[Velocity, Tag("<velocity>")]
+    | Annotated[SerializeAsAny[WallSection], BeforeValidator(_read), Tag("<table>")],
+    Discriminator(_kind),
 ]

@@ -18,9 +18,11 @@ ROUNDING = 1e-11
 
 @dataclass(frozen=True, slots=True)
 class FlowScales:
-    """Rate of shear times the largest radius; force over velocity, mu in the plane and mu a for spheres.
+    """What drives a flow, in the units of a case.
 
     Attributes:
+        velocity: the rate of shear times the largest radius a, or the speed of swimmers, the larger one.
+        resistance: force over velocity: mu in the plane, per unit length, and mu a for spheres.
         thrust: the pressure outside open walls times the surface of the largest body, on which it cancels.
     """
 
@@ -48,7 +50,9 @@ def flow_scales(case: Case, t: float) -> FlowScales:
     radius = max((body.radius for body in case.bodies), default=0.0)
     container = case.container()
     size, walls = container.size(), case.wall_velocity(t).values()
-    rates = [float(np.linalg.norm(wall.velocity)) / size + abs(wall.shear) for wall in walls]
+    rates = [
+        float(np.linalg.norm(wall.velocity)) / size + float(np.abs(wall.gradient).max()) for wall in walls
+    ]
     rates += [abs(stress) / case.fluid.viscosity for stress in case.wall_stress(t).values()]
     rate = max([*rates, float(np.abs(container.mean_gradient).max())])
     swimming = (abs(mode) for body in case.bodies for mode in body.surface_velocity or ())

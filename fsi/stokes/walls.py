@@ -4,14 +4,14 @@ import numpy as np
 
 from fsi.arrays import Array
 from fsi.case.case import Case
-from fsi.case.walls import WallVelocity
+from fsi.meshes.geometry.reentrant import reentrant_corners
 from fsi.stokes.corners import bends_anew, singular
 from fsi.stokes.problem import Boundary, Field, SurfaceConditions
 
 
 def boundary_of(case: Case, t: float) -> Boundary:
     """What holds on the walls of a case at time t."""
-    velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
+    velocities: dict[str, Field] = {wall: given.at for wall, given in case.wall_velocity(t).items()}
     stresses = case.wall_stress(t)
     velocities |= dict.fromkeys(stresses, np.zeros_like)  # what they drive comes on top
     return Boundary(
@@ -24,17 +24,6 @@ def surfaces_of(case: Case) -> SurfaceConditions:
     lengths = {i: body.slip_length for i, body in enumerate(case.bodies) if body.slip_length}
     modes = {i: np.array(body.surface_velocity) for i, body in enumerate(case.bodies) if body.swims}
     return SurfaceConditions(lengths, modes)
-
-
-def _field(wall: WallVelocity) -> Field:
-    """u(x) = velocity + shear h e_x with the last coordinate h, points (n, d) -> (n, d)."""
-
-    def u(x: Array) -> Array:
-        values = np.tile(wall.velocity, (len(x), 1))
-        values[:, 0] += wall.shear * x[:, -1]
-        return values
-
-    return u
 
 
 def wall_kinks(case: Case) -> set[float]:
@@ -51,7 +40,7 @@ def singular_pairs(case: Case) -> tuple[tuple[int, int], ...]:
 
 
 def singular_corners(case: Case) -> Array:
-    """Where in the plane these walls meet, and where a wall along which fluid slides bends anew, (n, 2).
+    """Where in the plane these walls meet, re-entrant corners, and where one that slips bends anew, (n, 2).
 
     Where fluid sticks to such a wall the flow is singular too, u ~ r^2 ln r, of which two degrees on one mesh
     tell. With any of the former errors are told by two meshes, and these have small cells there as well.
@@ -59,6 +48,7 @@ def singular_corners(case: Case) -> Array:
     container, slips = case.container(), case.wall_slip()
     meetings, pairs = container.meetings(), singular_pairs(case)
     bends = {wall: bends_anew(container, k) for k, wall in enumerate(container.walls)}
-    if not pairs and not any(len(bends[wall]) for wall in slips):
+    reentrant = reentrant_corners(container)
+    if not pairs and not len(reentrant) and not any(len(bends[wall]) for wall in slips):
         return np.empty((0, 2))
-    return np.concatenate([*(meetings[pair] for pair in pairs), *bends.values()])
+    return np.concatenate([*(meetings[pair] for pair in pairs), reentrant, *bends.values()])

@@ -43,10 +43,8 @@ def _mean_gradient(case: Case, t: float) -> Array | None:
         return container.mean_gradient
     if set(container.walls) != set(CHANNEL) or set(walls) != set(CHANNEL):
         return None
-    along = np.eye(container.dimension)[0]
-    heights = wall_heights(container)
-    moves = {name: wall.velocity + wall.shear * heights[name] * along for name, wall in walls.items()}
-    return gradient_between(container, moves)
+    up, heights = np.eye(container.dimension)[-1], wall_heights(container)
+    return gradient_between(container, {name: wall.at(heights[name] * up) for name, wall in walls.items()})
 
 
 def accumulated_strain(case: Case, t: Array) -> Array | None:

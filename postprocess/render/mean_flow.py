@@ -46,7 +46,7 @@ def undisturbed(run: Run, step: int) -> UndisturbedFlow | None:
     """That of a channel, of a cell, or far from bodies, at a step; None where none is linear."""
     case, container, t = run.case, run.container(step), run.time(step)
     walls = case.wall_velocity(t)
-    if not (len(container.periods) or any(wall.shear for wall in walls.values())):
+    if not (len(container.periods) or any(wall.gradient.any() for wall in walls.values())):
         return None
     try:
         return UndisturbedFlow(*background(container, walls))
@@ -64,7 +64,7 @@ def is_sheared(run: Run) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MovingWall:
-    """A plane wall that moves along itself.
+    """A plane wall that moves along itself, with one speed all over.
 
     Attributes:
         axis: the coordinate across it.
@@ -84,8 +84,8 @@ def sliding_walls(run: Run, step: int) -> list[MovingWall]:
     container, found = run.container(step), []
     walls = run.case.wall_velocity(run.time(step))
     for name, (axis, place) in container.faces.items():
-        if (wall := walls.get(name)) is not None:
-            speed = float(wall.velocity[1 - axis]) + (wall.shear * place if axis == 1 else 0.0)
+        if (wall := walls.get(name)) is not None and wall.is_uniform_across(axis):
+            speed = float(wall.at(place * np.eye(2)[axis])[1 - axis])
             outward = 1.0 if place > container.middle[axis] else -1.0
             found.append(MovingWall(axis, place, outward, speed))
     return [wall for wall in found if wall.speed]

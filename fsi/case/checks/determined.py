@@ -7,7 +7,7 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.bodies.configuration import rigid_motion
 from fsi.case.case import Case
-from fsi.case.section import toml_text
+from fsi.case.section import refusal, toml_text
 from fsi.errors import InputError
 
 
@@ -112,6 +112,16 @@ def check_strayed_lattice(case: Case) -> None:
         )
 
 
+def check_periodic_walls(case: Case) -> None:
+    """The velocity of a wall has the periods of the domain."""
+    periods = case.container().periods
+    for t in (case.kinks() or (0.0,)) if len(periods) else ():
+        for name, wall in case.wall_velocity(t).items():
+            if np.any(wall.gradient @ periods.T):
+                here = f"domain.walls.{name}"
+                raise refusal(here, case.domain.walls[name], "its flow is not periodic; give a velocity")
+
+
 def check_flux(case: Case) -> None:
     """An incompressible fluid that is enclosed all round cannot take a net flux, at any time."""
     if case.wall_pressure() or not case.domain.walls:
@@ -119,7 +129,7 @@ def check_flux(case: Case) -> None:
     fluxes = dict(zip(case.domain.walls, case.container().wall_fluxes(), strict=True))
     for t in case.kinks() or (0.0,):
         outward = {
-            name: float(fluxes[name][:-1] @ wall.velocity + fluxes[name][-1] * wall.shear)
+            name: float(np.sum(fluxes[name] * np.column_stack([wall.velocity, wall.gradient])))
             for name, wall in case.wall_velocity(t).items()
         }
         worst = max(outward, key=lambda name: abs(outward[name]))

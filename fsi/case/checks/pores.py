@@ -60,6 +60,6 @@ def _check_walls(case: Case) -> None:
         for t in wall.kinks() or {0.0}:
             velocity = wall.velocity_at(t, case.dimension)
             assert velocity is not None  # it is solid
-            if velocity.shear or velocity.velocity @ normal != 0.0:
+            if velocity.gradient.any() or velocity.velocity @ normal != 0.0:
                 remedy = "walls slide along themselves; give [u_x, 0.0]"
                 raise InputError(f"{here} = {toml_text(wall)}: {remedy}, {_RESOLVED}")

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, SerializeAsAny, Valida
 
 from fsi.case.registry import Registered, Registry
 from fsi.case.section import Geometry, context_of, refusal, refuse_unknown, require_components, told
-from fsi.case.walls import Velocity, Wall
+from fsi.case.walls import Velocity, Wall, wall_forms
 from fsi.meshes.geometry.container import Container
 
 
@@ -41,13 +41,7 @@ class Walled(Registered):
 
     shape: str
     _geometry: Geometry = PrivateAttr("planar")
-    walls: dict[str, Wall] = Field(
-        default={},
-        validate_default=True,
-        description='for each wall its velocity [u_x, u_y] (in space [u_x, u_y, u_z]), "open", '
-        "{pressure = p}, {shear = rate}, {slip_length = b, velocity = [u_x, u_y]} or, of a channel, "
-        "{stress = force over length}",
-    )
+    walls: dict[str, Wall] = Field(default={}, validate_default=True)
     mesh: str | None = None
     """the path of a mesh file of this shape, seen from the case file's folder"""
 
@@ -67,6 +61,11 @@ class Walled(Registered):
         if mesh is not None and not cls.takes_mesh:
             raise ValueError("a periodic domain is meshed by this program; drop it")
         return mesh
+
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        return f"for each wall {wall_forms()}" if key == "walls" else super().describe(key)
 
     @classmethod
     def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:  # noqa: ARG003
