@@ -17,7 +17,8 @@ to it is the same. Loads of either set of rates balance for themselves, and powe
 
 A law counts in full up to `FULL` times the reduced radius a_r and ends, falling linearly, at a_r: of bodies
 farther apart others are nearer. Within a round wall it ends also where a body is nearer to the middle than to
-the wall. Bodies nearer than `lubrication.below` are well within.
+the wall. Bodies nearer than `lubrication.below` are well within. A round wall that the fluid is around is
+like another body, which is held.
 
 Laws are the exact ones. Of spheres whose radii differ by more than a factor of five, and of discs within a
 round wall, shear and rotation have the first term of their expansion, of which the difference lacks
@@ -43,6 +44,7 @@ from fsi.lubrication.laws import LubricationLaw, ScaledLaw
 from fsi.lubrication.named_laws import GapFilm, exact_law, leading_law
 from fsi.lubrication.sliding import Factors, Nearby, rate_rows, slide_and_roll, tangents
 from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.reentrant import counted
 
 FULL = 0.5
 _STRAIGHT = 1e-9  # an axis is along a wall's normal to so much
@@ -135,7 +137,8 @@ class OpenedGaps:
     def _beside(self) -> NearPairs:
         """Bodies beside walls that are displaced. Raises SolveError: no law is known of one."""
         gaps = wall_gaps(self.q, self.container)
-        i, wall = np.nonzero(lubricating(self.container, self.solid) & (gaps < np.inf))
+        there = lubricating(self.container, self.solid) & (gaps < np.inf)
+        i, wall = np.nonzero(counted(self.container, self.q.centres, there))
         n, from_middle, a_r = self._of_walls(self.q, i, wall)
         gap = gaps[i, wall]
         curved = self.spheres & (from_middle < inf)
@@ -162,7 +165,11 @@ class OpenedGaps:
         n = self.container.normals(q.centres)[i, wall] if len(i) else np.zeros((0, q.dimension))
         gap, a_r = (f[i, wall] for f in (wall_gaps(q, self.container), self.container.reduced_radii(q.radii)))
         R = np.array([inf if sphere is None else sphere.radius for sphere in self.container.spheres])
-        return n, R[wall] - q.radii[i] - gap, a_r
+        return n, R[wall] - self._concavities(wall) * (q.radii[i] + gap), a_r
+
+    def _concavities(self, wall: NDArray[np.intp]) -> Array:
+        """1 of walls around bodies, -1 of those that bodies are around, 0 of planes, (P,)."""
+        return np.array(self.container.concavities, dtype=float)[wall]
 
     def _sides_between(self, near: NearPairs, q: Configuration) -> tuple[Nearby, Array, Array]:
         """How the bodies stand at q; the lattice vectors, and from centre to centre, (P, d)."""
@@ -179,7 +186,9 @@ class OpenedGaps:
         n, from_middle, a_r = self._of_walls(q, i, near.wall)
         gap = wall_gaps(q, self.container)[i, near.wall]
         apart = (a + gap)[:, None] * n
-        sides = Nearby(n, gap, a_r, a, a, np.ones(len(i), dtype=bool), -1.0 / from_middle)
+        sides = Nearby(
+            n, gap, a_r, a, a, np.ones(len(i), dtype=bool), -self._concavities(near.wall) / from_middle
+        )
         return sides, q.centres[i] - apart, apart
 
     def _rows(
@@ -249,12 +258,12 @@ class OpenedGaps:
 
 
 def _ratio(sides: Nearby, k: int) -> float:
-    """b/a >= 1 of a pair; infinite beside a plane, -R/a within a round wall."""
+    """|b/a| >= 1 of a pair; infinite beside a plane, with b = -R within a round wall and R on one."""
     a, a_r = float(sides.a[k]), float(sides.radius[k])
-    if sides.is_wall[k]:
-        return inf if sides.curvature[k] == 0.0 else -a_r / (a_r - a)
-    ratio = float(sides.b[k]) / a
-    return max(ratio, 1.0 / ratio)
+    if sides.is_wall[k] and sides.curvature[k] == 0.0:
+        return inf
+    ratio = a_r / (a - a_r) if sides.is_wall[k] else float(sides.b[k]) / a
+    return max(ratio, 1.0 / ratio) if ratio > 0.0 else ratio
 
 
 def _weight(gap: Array, a_r: Array) -> Array:

@@ -7,7 +7,7 @@ round wall (k < 0), where gaps end at s = -1/k, with the disc at the centre. Two
 
 The integral of K in s is taken over w, cosh w = 1 + s, in which `K sinh w` is even and analytic but for a
 pole c/w^2, which is integrated exactly, and for points about pi i, or as far beyond the centre of a round
-wall as that is from it. Gauss's rule on panels of width 2 gives the rest, within 1e-11.
+wall as that is from it. Gauss's rule on panels gives the rest, within 1e-11 (`fsi.lubrication.panels`).
 """
 
 from collections.abc import Callable
@@ -20,11 +20,10 @@ from numpy.typing import ArrayLike
 from fsi.arrays import Array
 from fsi.lubrication.exact import bipolar_angle, less_tanh
 from fsi.lubrication.expansions import Mode, overlap_of
+from fsi.lubrication.panels import NODES, PANEL, WEIGHTS
 from fsi.lubrication.profiles import distinct
 from fsi.lubrication.two_discs import rolling, sliding
 
-_PANEL = 2.0
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 # c of squeeze: K = 3 sqrt2 pi s^(-3/2) and s = w^2/2 at small gaps.
 _POLE = 12.0 * np.pi
 _START = 1.0  # s from which the integral counts, where a round wall lets
@@ -57,10 +56,10 @@ class DiscProfile:
         """The integral of K from s = 1, or the centre of a narrower round wall."""
         inside = np.minimum(s, self._farthest)
         start, end = bipolar_angle(np.minimum(_START, self._farthest)), bipolar_angle(inside)
-        panels = max(1, ceil(float(np.max(np.abs(end - start), initial=0.0)) / _PANEL))
+        panels = max(1, ceil(float(np.max(np.abs(end - start), initial=0.0)) / PANEL))
         half, total = (0.5 / panels) * (end - start), self.pole * (1.0 / start - 1.0 / end)
         for centre in range(1, 2 * panels, 2):
-            for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+            for node, weight in zip(NODES, WEIGHTS, strict=True):
                 w = start + (centre + node) * half
                 total = total + weight * half * self._regular(w)
         return np.asarray(total + self.value(s) * (s - inside))

@@ -130,6 +130,8 @@ def exact_law(film: GapFilm) -> ScaledLaw:
     The table is of gaps from 1e-9 to 1e6 reduced radii, of shear from 1e-8, of rotation from there to 1000.
     Extrapolated, it goes on with a power of the gap: below, that is the leading term, and above it leads to
     the drag of a lone sphere. The logarithms of shear and rotation are 10 % too large at 1e-12.
+
+    Raises ValueError: as `exact_resistance`, but for the round walls that are taken for planes.
     """
     profile: Profile
     if film.shape == "discs":
@@ -156,8 +158,10 @@ def exact_resistance(shape: Shape, mode: Mode, gap: ArrayLike, ratio: float) -> 
 
     ratio: b/a, infinite for a plane, -R/a inside a round wall.
 
-    Raises ValueError: shear or rotation of two spheres or inside a round wall, or a sphere inside a round
-    wall: no closed form here; or a gap is not positive.
+    Of discs all are known, but for shear and rotation inside a round wall.
+
+    Raises ValueError: those; shear or rotation of two spheres, or a sphere inside a round wall: no closed
+    form here; or a gap is not positive.
     """
     if shape == "discs":
         return disc_profile(mode, ratio).value(gap_ratio(gap, 1.0))

@@ -20,7 +20,8 @@ of one that turns in place,
 with the resistances kappa_shear and (1 - c^2) kappa_rotation / a_r^2. The product c q couples the two as the
 wall does: c = 0 of a disc (Jeffrey and Onishi 1981), and as the gap vanishes 1/4 of a sphere, of which the
 logarithms are 16 pi/5 on the diagonal and -4 pi/5 off it (Goldman, Cox and Brenner 1967). Any resistances
->= 0, and any c from -1 to 1, leave the sum over all rows symmetric and positive semidefinite.
+>= 0, and any c from -1 to 1, leave the sum over all rows symmetric and positive semidefinite. A wall that
+bends towards the body, K > 0, is like another body, of radius 1/K - a - D, that is held.
 
 Sources: R. C. Ball and J. R. Melrose, Physica A 247 (1997) 444; S. Kim and S. J. Karrila, Microhydrodynamics
 (1991), chapters 9 and 11.
@@ -51,7 +52,7 @@ class Nearby:
         a: the radius of body i, (P,).
         b: that of side j; any of a wall, (P,).
         is_wall: whether side j is a wall, (P,).
-        curvature: of the gap to a wall along it, (P,).
+        curvature: K of the gap to a wall along it, (P,).
     """
 
     n: Array
@@ -61,6 +62,17 @@ class Nearby:
     b: Array
     is_wall: NDArray[np.bool_]
     curvature: Array
+
+    @property
+    def beside(self) -> NDArray[np.bool_]:
+        """Which pairs have the laws beside a wall: those with walls that are plane or bend around bodies."""
+        return self.is_wall & (self.curvature <= 0.0)
+
+    @property
+    def others(self) -> Array:
+        """b, of a wall that bends towards the body too, (P,)."""
+        held = self.is_wall & ~self.beside
+        return np.where(held, 1.0 / np.where(held, self.curvature, 1.0) - self.a - self.gap, self.b)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +98,7 @@ def slide_and_roll(
 
     coupling: C of the power S s^2 - 2 C s y + R y^2 of both, (P,), else `narrow_coupling`.
     """
-    wall, a, b = pairs.is_wall, pairs.a, pairs.b
+    wall, a, b = pairs.beside, pairs.a, pairs.others
     a_r, (arm, arm_other) = pairs.radius, arms(a, b, pairs.gap)
     g = rolling_of_sliding(pairs.gap, a, b) if pairs.n.shape[1] == 2 else 0.5 * (1.0 / a - 1.0 / b)
     K = np.where(wall, pairs.curvature, 0.0)
@@ -113,7 +125,7 @@ def narrow_coupling(pairs: Nearby, kappa: Mapping[Mode, Array]) -> Array:
     if len(kappa) < 2 or c == 0.0:
         return np.zeros_like(pairs.gap)
     size = np.sqrt(np.maximum(kappa["shear"] * kappa["rotation"], 0.0))
-    C: Array = np.where(pairs.is_wall, c * size, 0.0)
+    C: Array = np.where(pairs.beside, c * size, 0.0)
     return C
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.case.background_flow import background
+from fsi.case.background_flow import background, uniform
 from fsi.case.case import Case
 from fsi.meshes.geometry.container import Container, lengths
 
@@ -24,7 +24,7 @@ class Enclosure:
     Attributes:
         container: its walls and periods.
         solid: which walls are, the others being open, (walls,).
-        wall_velocity: (walls, d).
+        wall_velocity: (walls, d), u_0 of walls on which it varies.
         mean: u_0, (d,).
         gradient: E, rows of (du_i / dx_j), (d, d).
     """
@@ -77,7 +77,8 @@ def with_flow(case: Case, t: float, mean: Array, gradient: Array) -> Enclosure:
     velocity = np.zeros((len(container.walls), container.dimension))
     for row, name in zip(velocity, container.walls, strict=True):
         if name in walls:
-            row[:] = walls[name].velocity
+            given = uniform(container, name, walls[name])
+            row[:] = walls[name].velocity if given is None else given
     solid = np.array([name in walls for name in container.walls], dtype=bool)
     return Enclosure(container, solid, velocity, mean, gradient)
 
@@ -103,14 +104,14 @@ def wall_gaps(container: Container, centres: Array, radii: Array) -> WallGaps:
     gap = container.distances(centres) - radii[:, None]
     curvature = np.zeros_like(gap)
     lubricates = np.array([name not in container.far_walls for name in container.walls], dtype=bool)
-    for k, sphere in enumerate(container.spheres):
+    for k, (sphere, side) in enumerate(zip(container.spheres, container.concavities, strict=True)):
         if sphere is not None and lubricates[k]:
             distance = lengths(centres - sphere.centre)
-            curvature[:, k] = -1.0 / np.where(distance > 0.0, distance, 1.0)
+            curvature[:, k] = -side / np.where(distance > 0.0, distance, 1.0)
     return WallGaps(gap, container.normals(centres), container.reduced_radii(radii), curvature, lubricates)
 
 
 def overlap(reduced: Array, radius: Array) -> Array:
-    """`a b/(a + b)^2` of a_r = a b/(a + b) and a, which with it decides a law; a round wall has b = -R."""
+    """`a b/(a + b)^2` of a_r = a b/(a + b) and a, which with it decides a law; within a round wall b = -R."""
     part = reduced / radius
     return part * (1.0 - part)

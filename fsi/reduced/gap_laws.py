@@ -2,7 +2,8 @@
 
 Besides a_r, a film knows its k = a b/(a + b)^2: from 1/4 of equal bodies to 0 beside a plane, and less inside
 a round wall, where b = -R. The leading term of kappa needs a_r alone; all that follows depends on k. A law
-that is for one k refuses films of another.
+that is for one k refuses films of another. Beside a round wall that the fluid is around, b = R, a film is one
+between bodies.
 
 Far apart the exact law of squeeze of spheres tends to 6 pi mu a_r, which is their own drag (6 pi mu a of a
 sphere far from a plane; of two that are drawn apart 6 pi mu a and 6 pi mu b in series). Here the law is what
@@ -53,8 +54,9 @@ class Films:
 
     @property
     def places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Which films are between bodies, and which beside walls."""
-        return np.flatnonzero(~self.is_wall), np.flatnonzero(self.is_wall)
+        """Which films have the law between bodies, and which that beside walls."""
+        beside = self.is_wall & (self.overlap <= 0.0)
+        return np.flatnonzero(~beside), np.flatnonzero(beside)
 
     def of(self, some: NDArray[np.intp]) -> "Films":
         """Some of them."""

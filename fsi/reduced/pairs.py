@@ -9,6 +9,7 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, row_numbers
 from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.reentrant import counted
 from fsi.reduced.enclosure import Enclosure, overlap, wall_gaps
 from fsi.reduced.gap_laws import Films
 from fsi.reduced.twice_precise import precise_gaps
@@ -71,7 +72,8 @@ def find_pairs(
     """All pairs with a gap up to `reach`, perhaps infinite, and those with the keys `also` (K, 2 + k)."""
     gaps, lattice = find_gaps(q, enclosure.container, reach), Lattice(enclosure.container.periods)
     walls = wall_gaps(enclosure.container, q.centres, q.radii)
-    body, wall = np.nonzero((walls.gap <= reach) & walls.lubricates & enclosure.solid)
+    near = (walls.gap <= reach) & walls.lubricates & enclosure.solid
+    body, wall = np.nonzero(counted(enclosure.container, q.centres, near))
     periods = np.rint(lattice.coordinates(gaps.away))
     key = np.vstack(
         [

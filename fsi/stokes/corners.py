@@ -17,6 +17,9 @@ ends in the corner: u ~ r ln r there too.
 Where the curvature kappa of such a wall jumps, as at the ends of a wave, so does the vorticity
 (2 kappa + 1/b) u along it, its harmonic conjugate p goes like ln r, and u ~ r ln r again.
 
+In a corner of an angle A above pi the flow is singular with any data: between walls to which fluid sticks it
+is u ~ r^z with the least root of sin(z A) = -z sin A, 0.54 for A = 3 pi/2 (Moffatt 1964).
+
 A force on a body between the walls is finite with all: meshes are graded towards these corners
 (`fsi.meshes.planar.grading`).
 """

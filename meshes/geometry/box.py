@@ -98,17 +98,18 @@ class Box(Container):
         return tuple(segment(k, *ends[wall]) for k, wall in enumerate(self.walls))
 
     def wall_fluxes(self) -> Array:
-        """Each wall's area along its axis; h n_x is that at half the height."""
+        """Each wall's area along its axis, times x_j in its middle."""
         sides = np.subtract(self.upper, self.lower)
         areas = sides.prod() / sides
         if self.axisymmetric:
             radius, height = self.upper[0], sides[1]
             areas = np.pi * np.array([2.0 * radius * height, radius**2])
-        rows = np.zeros((len(self.walls), self.dimension + 1))
-        for row, k in zip(rows, self._ends, strict=True):
-            row[k // 2] = areas[k // 2] if k % 2 else -areas[k // 2]
-        rows[:, -1] = 0.5 * (self.lower[-1] + self.upper[-1]) * rows[:, 0]
-        return rows
+        fluxes = np.zeros((len(self.walls), self.dimension, self.dimension + 1))
+        for flux, k in zip(fluxes, self._ends, strict=True):
+            axis, middle = k // 2, self.middle
+            middle[axis] = self.upper[axis] if k % 2 else self.lower[axis]
+            flux[axis] = (areas[axis] if k % 2 else -areas[axis]) * np.array([1.0, *middle])
+        return fluxes
 
     def size(self) -> float:
         """Length of the diagonal."""

@@ -63,7 +63,10 @@ class Container(ABC):
 
     @abstractmethod
     def distances(self, x: Array) -> Array:
-        """Distance of each point (n, dimension) to each wall, shape (n, walls); positive inside."""
+        """Distance of each point (n, dimension) to each wall, shape (n, walls); positive inside.
+
+        To the nearest point of the wall; or to its line or circle, if none of these crosses the inside.
+        """
 
     @abstractmethod
     def normals(self, x: Array) -> Array:
@@ -118,7 +121,7 @@ class Container(ABC):
 
     @property
     def spheres(self) -> tuple[Sphere | None, ...]:
-        """The circle or sphere that each wall follows, seen from inside; None for a plane wall."""
+        """The circle or sphere that each wall follows, on either side of it; None for a plane wall."""
         return (None,) * len(self.walls)
 
     @property
@@ -126,12 +129,24 @@ class Container(ABC):
         """Whether each wall is plane, (walls,)."""
         return tuple(sphere is None for sphere in self.spheres)
 
-    def reduced_radii(self, radii: Array) -> Array:
-        """a_r of bodies (N,) beside each wall, (N, walls): a beside a plane, in a round one a R/(R - a)."""
-        reduced = np.repeat(radii[:, None], len(self.walls), axis=1)
+    @property
+    def concavities(self) -> tuple[int, ...]:
+        """1 of round walls with the fluid within them, -1 of those with it outside, 0 of others, (walls,)."""
+        arcs = self.outline() if self.dimension == 2 and any(self.spheres) else ()
+        at = {curve.wall: curve.at(np.mean(curve.interval)[None])[0] for curve in arcs}
+        found = [0] * len(self.walls)
         for k, sphere in enumerate(self.spheres):
             if sphere is not None:
-                reduced[:, k] = radii * sphere.radius / (sphere.radius - radii)
+                x = at.get(k, sphere.project(sphere.centre + np.eye(self.dimension)[0]))
+                found[k] = 1 if self.normals(x[None])[0, k] @ sphere.from_centre(x) < 0.0 else -1
+        return tuple(found)
+
+    def reduced_radii(self, radii: Array) -> Array:
+        """a_r of bodies (N,), (N, walls): a beside a plane, within a circle a R/(R - a), on it a R/(R+a)."""
+        reduced = np.repeat(radii[:, None], len(self.walls), axis=1)
+        for k, (sphere, side) in enumerate(zip(self.spheres, self.concavities, strict=True)):
+            if sphere is not None:
+                reduced[:, k] = radii * sphere.radius / (sphere.radius - side * radii)
         return reduced
 
     @property
@@ -152,16 +167,18 @@ class Container(ABC):
         return ()
 
     def wall_fluxes(self) -> Array:
-        """Integrals over each wall of n and h n_x, (walls, d + 1).
+        """Integrals over each wall of n_i and, after them, of n_i x_j, (walls, d, 1 + d).
 
-        n is the unit normal out of the fluid, h the last coordinate; with an axis they are integrals over
-        surfaces of revolution. So they are the fluxes of unit velocities and of a unit shear flow.
+        n is the unit normal out of the fluid; with an axis they are integrals over surfaces of revolution.
+        The flux of u_0 + G x is the sum of their products with u_0 and G. Fluid is incompressible: what only
+        a flow with a source would feel, the integral of n.x, may be left out, as here in the plane.
         """
-        rows = np.zeros((len(self.walls), 3))
+        fluxes = np.zeros((len(self.walls), 2, 3))
         for curve in self.outline():
             (x0, y0), (x1, y1) = curve.ends
-            rows[curve.wall] += y1 - y0, x0 - x1, 0.5 * (y1**2 - y0**2)
-        return rows
+            xy, xx, yy = 0.5 * (x1 * y1 - x0 * y0), 0.5 * (x1**2 - x0**2), 0.5 * (y1**2 - y0**2)
+            fluxes[curve.wall] += [[y1 - y0, xy, yy], [x0 - x1, -xx, -xy]]
+        return fluxes
 
     def axis(self) -> tuple[float, float]:
         """Lowest and highest z of an axisymmetric container on its axis."""

@@ -11,9 +11,6 @@ from fsi.arrays import Array
 from fsi.meshes.geometry.container import Container, lengths
 from fsi.meshes.geometry.curves import Sphere, WallCurve, arc, rescaled, segment
 
-# Names of the walls of a box: the low and the high end along x, then along the other axes.
-_FACES = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom", "top")}
-
 
 @dataclass(frozen=True, slots=True)
 class Round(Container):
@@ -52,9 +49,14 @@ class Round(Container):
         """Its only or last wall is round."""
         return *(None for _ in self.walls[1:]), Sphere(np.zeros(self.dimension), self.radius)
 
+    @property
+    def concavities(self) -> tuple[int, ...]:
+        """That has the fluid within it."""
+        return *(0 for _ in self.walls[1:]), 1
+
     def wall_fluxes(self) -> Array:
-        """A uniform flow and a shear flow leave as they enter."""
-        return np.zeros((1, self.dimension + 1))
+        """A linear flow leaves as it enters."""
+        return np.zeros((1, self.dimension, self.dimension + 1))
 
     def size(self) -> float:
         """Diameter."""
@@ -122,10 +124,10 @@ class HalfPlane(Round):
     def wall_fluxes(self) -> Array:
         """What enters through the plane leaves through the arc."""
         disc = self.axisymmetric or self.dimension == 3
-        rows = np.zeros((2, self.dimension + 1))
-        rows[1, -2] = np.pi * self.radius**2 if disc else 2.0 * self.radius
-        rows[0] = -rows[1]
-        return rows
+        fluxes = np.zeros((2, self.dimension, self.dimension + 1))
+        fluxes[1, -1, 0] = np.pi * self.radius**2 if disc else 2.0 * self.radius
+        fluxes[0] = -fluxes[1]
+        return fluxes
 
     @property
     def volume(self) -> float:

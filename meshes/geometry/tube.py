@@ -65,10 +65,13 @@ class Tube(Container):
         return None, None, Cylinder(np.zeros(3), self.radius)
 
     def wall_fluxes(self) -> Array:
-        """The area of each end; a uniform or a shear flow leaves through the side as it enters."""
-        rows = np.zeros((3, 4))
-        rows[:2, 2] = np.pi * self.radius**2 * np.array([-1.0, 1.0])
-        return rows
+        """The area of each end; of n_i x_i the volume, on both ends together and on the side."""
+        area = np.pi * self.radius**2
+        fluxes = np.zeros((3, 3, 4))
+        fluxes[:2, 2, 0] = -area, area
+        fluxes[:2, 2, 3] = 0.5 * self.volume
+        fluxes[2, 0, 1] = fluxes[2, 1, 2] = self.volume
+        return fluxes
 
     def size(self) -> float:
         """Length of the diagonal."""

@@ -258,7 +258,7 @@ class Surfaces:
     def curvature(self, wall: int) -> float:
         """Of a wall, negative where the fluid lies inside of it."""
         sphere = self.container.spheres[wall]
-        return 0.0 if sphere is None else -1.0 / sphere.radius
+        return 0.0 if sphere is None else -self.container.concavities[wall] / sphere.radius
 
     def lines(self, at: Callable[[Array, Indices], Array], ends: Array, pieces: int) -> list[Array]:
         """Places s of nodes on lines `at(s, k)` through the fluid from surface to surface; ends (n, 2)."""

@@ -23,7 +23,6 @@ from fsi.postprocess.render.view import View
 from fsi.postprocess.run.grids import nodes
 
 _MARGIN = 1.08  # of the window around the box
-_SAME_PLACE = 1e-9  # of the domain: vertices that are images
 _BITS = (np.arange(8)[:, None] >> np.arange(3)) & 1
 _EDGES = np.array([(i, i + 2**k) for i in range(8) for k in range(3) if not i & 2**k])
 

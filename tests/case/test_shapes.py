@@ -63,7 +63,7 @@ def test_a_case_with_shapes_is_written_and_read_again() -> None:
         ({"kind": "ellipse", "axes": [2.0, 0.0]}, r"shape\.axes.* = 0\.0: must be greater than 0"),
         ({"kind": "ellipse", "axis": 1.0}, r"shape\.axis = 1\.0: unknown key; use bodies\.0\.shape\.axes"),
         ({"kind": "tip", "radius": 1.0, "alpha": 1.0, "length": 2.0}, "flatter than the disc"),
-        ({"kind": "ellipse", "axes": [1.0, 1e-6]}, "too slender"),
+        ({"kind": "ellipse", "axes": [1.0, 1e-6]}, "too slender or too jagged; give one that is rounder$"),
         ({"kind": "stadium", "length": 1e5, "radius": 0.1}, "too slender"),
         ({"kind": "fourier", "radius": 1.0, "orders": [200], "cosines": [0.3]}, "too jagged"),
         ({"kind": "ellipse", "axes": [1e-300, 1e-300]}, "too small or too large for numbers"),

@@ -67,6 +67,21 @@ def test_the_shear_flow_given_at_all_walls_of_a_box_is_the_background() -> None:
     )
 
 
+@pytest.mark.parametrize("height", [3.0, -6.9, 6.9])
+def test_walls_that_a_shear_flow_moves_are_walls_that_move(height: float) -> None:
+    """At y = -8 and 8 with u_x = y/2, which a body a tenth of its radius away feels by laws of sliding."""
+    laws = {"drag": 12.0, "cutoff": 0.5, "law": "exact", "shear_law": "exact", "rotation_law": "exact"}
+    bodies = [{"name": "one", "radius": 1.0, "position": [0.0, height]}]
+    sheared, moved = (
+        velocities(reduced_case(bodies, laws, domain=BOX | {"walls": walls}))
+        for walls in (
+            {wall: {"shear": 0.5} for wall in ("left", "right", "bottom", "top")},
+            {"bottom": [-4.0, 0.0], "top": [4.0, 0.0]},
+        )
+    )
+    assert sheared == pytest.approx(moved, rel=1e-14)
+
+
 def test_an_open_wall_lubricates_nothing() -> None:
     """Pushed towards an opening, 1e-2 from it, a body moves as if there were none: F / drag."""
     case = case_in(BOX | {"walls": {"right": "open"}}, [6.99, 0.0], force=[6.0, 0.0])

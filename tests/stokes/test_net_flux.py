@@ -12,11 +12,13 @@ from rich.console import Console
 
 import fsi
 from fsi.meshes.geometry.box import Box
+from fsi.observables.quantities import computed
 from fsi.report.solution import print_solution, solution_json
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import DEFAULT, FORMULATIONS, Clock, assembled
 from fsi.stokes.solvers.drives import Averages
 from fsi.stokes.solvers.periodic import solve_periodic
+from fsi.studies.evaluate import require_quantity
 from tests.flows import discs
 from tests.net_flux import require_told
 from tests.periodic import force_free, in_channel
@@ -46,6 +48,9 @@ def test_the_gradient_of_couette_poiseuille_flow_is_found_and_told() -> None:
     assert isinstance(found, StokesSolution)
     assert errors is not None
     require_told(solution, GRADIENT, 1e-9, solution_json)
+    require_quantity(solution.case, "pressure gradient")
+    assert computed(solution.case, found, "pressure gradient") == pytest.approx(GRADIENT, rel=1e-9)
+    assert computed(solution.case, errors, "pressure gradient") == errors.dp_dx
     printed = io.StringIO()
     print_solution(Console(file=printed, width=200), solution.case, found, errors, None)
     assert f"the mean dp/dx is {GRADIENT:.8g} ± {errors.dp_dx:.0e}, as the net" in printed.getvalue()
@@ -89,6 +94,8 @@ def test_the_flux_of_couette_poiseuille_flow_is_found_and_told() -> None:
     assert errors is not None
     assert solution.flux == pytest.approx(driven_flux(HEIGHT), rel=1e-9)
     assert found.record["flux"] == solution.flux
+    require_quantity(solution.case, "flux")
+    assert computed(solution.case, found, "flux") == solution.flux
     data = solution_json(solution.case, found, errors, None)
     assert (data["flux"], data["flux_error"]) == (solution.flux, errors.flux)
     printed = io.StringIO()

@@ -7,6 +7,7 @@ import numpy as np
 
 from fsi.bodies.gaps import find_gaps, wall_gaps
 from fsi.case.case import Case
+from fsi.case.checks.containers import check_container
 from fsi.case.checks.walls import check_walls
 from fsi.case.section import toml_text
 from fsi.case.shapes.shape import AnyShape
@@ -16,6 +17,7 @@ from fsi.errors import InputError
 def check_shapes(case: Case) -> None:
     """Raise InputError, which names the first shape, where what is asked for knows none."""
     check_walls(case)
+    check_container(case)
     if case.domain.profiled:
         _check_walls(case)
     if _cylinders(case):

@@ -120,7 +120,8 @@ def narrows(case: Case, gaps: Gaps) -> Narrows:
     radii, spheres = case.configuration().radii, case.container().spheres
     a, b = radii[gaps.pairs].T
     body, wall = np.nonzero(gaps.wall_gaps < 2.0 * radii[:, None])
-    around = np.array([0.0 if sphere is None else sphere.mean_curvature for sphere in spheres])
+    each = zip(spheres, case.container().concavities, strict=True)
+    around = np.array([0.0 if sphere is None else side * sphere.mean_curvature for sphere, side in each])
     return Narrows(
         np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]]),
         np.concatenate([np.minimum(a, b), radii[body]]),
