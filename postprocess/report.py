@@ -4,6 +4,7 @@
 """
 
 import base64
+import os
 import tempfile
 from collections.abc import Callable
 from functools import partial
@@ -23,6 +24,7 @@ from fsi.postprocess.plots.histories import plot_runs
 from fsi.postprocess.render.network import NECKS
 from fsi.postprocess.render.picture import MOVIES, write_pictures
 from fsi.postprocess.render.render import artist, render_run
+from fsi.postprocess.render.suspended import MOTION
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 from fsi.postprocess.run.tables import spread
@@ -75,23 +77,23 @@ def write_report(run: Run, output: Path) -> None:
         name=run.case.name,
         path=run.path,
         many=_MANY,
-        state=_or_reason(lambda: _state(run)),
+        state=_or_reason(run, lambda: _state(run)),
         case=_case(run),
         pictures=_pictures(run),
-        checks=_or_reason(lambda: _checks(run)),
-        bodies=_or_reason(lambda: run.bodies[run.bodies["step"] == run.bodies["step"].iloc[-1]]),
-        steps=_or_reason(lambda: _steps(run)),
-        launches=_or_reason(lambda: _launches(run)),
+        checks=_or_reason(run, lambda: _checks(run)),
+        bodies=_or_reason(run, lambda: run.bodies[run.bodies["step"] == run.bodies["step"].iloc[-1]]),
+        steps=_or_reason(run, lambda: _steps(run)),
+        launches=_or_reason(run, lambda: _launches(run)),
     )
     write_whole(output, page)
 
 
-def _or_reason[Part](part: Callable[[], Part]) -> Part | str:
-    """A part of the page, or why it is missing."""
+def _or_reason[Part](run: Run, part: Callable[[], Part]) -> Part | str:
+    """A part of the page, or why it is missing, without the folder: the page may be read anywhere."""
     try:
         return part()
     except InputError as error:
-        return str(error)
+        return str(error).removeprefix(f"{run.path}{os.sep}").removeprefix(f"{run.path}: ")
 
 
 def _state(run: Run) -> dict[str, Any]:
@@ -115,7 +117,21 @@ def _case(run: Run) -> dict[str, Any]:
 
 
 def _pictures(run: Run) -> list[dict[str, str] | str]:
-    """Histories, the last step, of a flow its dissipation too, and all steps as an animation."""
+    """Histories, the last step, and all steps as an animation; why any are missing, each reason once."""
+    fieldless = run.drawn_by_tables and _or_reason(run, lambda: not run.has(run.series)) is True
+    last = _without_fields() if fieldless else _with_fields(run)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "picture.png"
+        parts = {"histories": partial(plot_runs, [run], file)}
+        parts |= {caption: partial(render_run, run, file, choice) for caption, choice in last.items()}
+        field = MOTION if fieldless else "speed" if run.series == "fluid" else None
+        parts["all of the run"] = partial(_animation, run, Path(folder) / f"all{MOVIES[1]}", field)
+        found = [_or_reason(run, partial(_embedded, caption, draw)) for caption, draw in parts.items()]
+    return [part for k, part in enumerate(found) if part not in found[:k]]
+
+
+def _with_fields(run: Run) -> dict[str, Choice]:
+    """What is drawn of the last step by its caption; of a flow its dissipation too."""
     what = {"fluid": "speed, streamlines, and the narrowest gap", "bodies": "bodies", "profile": "profiles"}
     last = {f"{what[run.series]} at the last step": Choice(size=_PICTURE_SIZE)}
     if run.series == "fluid":
@@ -124,12 +140,13 @@ def _pictures(run: Run) -> list[dict[str, str] | str]:
         last["necks at the last step, as wide as what is dissipated in them"] = Choice(
             NECKS, size=_PICTURE_SIZE
         )
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "picture.png"
-        parts = {"histories": partial(plot_runs, [run], file)}
-        parts |= {caption: partial(render_run, run, file, choice) for caption, choice in last.items()}
-        parts["all of the run"] = partial(_animation, run, Path(folder) / f"all{MOVIES[1]}")
-        return [_or_reason(partial(_embedded, caption, draw)) for caption, draw in parts.items()]
+    return last
+
+
+def _without_fields() -> dict[str, Choice]:
+    """The same of a run that has tables alone."""
+    caption = "speeds of the bodies at the last step; the run has written no fields"
+    return {caption: Choice(MOTION, size=_PICTURE_SIZE)}
 
 
 def _embedded(caption: str, draw: Callable[[], Path]) -> dict[str, str]:
@@ -139,12 +156,12 @@ def _embedded(caption: str, draw: Callable[[], Path]) -> dict[str, str]:
     return {"caption": caption, "kind": path.suffix.removeprefix("."), "data": data}
 
 
-def _animation(run: Run, path: Path) -> Path:
-    """At most thirty steps, evenly spread; of a flow its speed."""
-    painter = artist(run, Choice("speed" if run.series == "fluid" else None, size=_FRAME_SIZE))
-    painter.require(run.step(None, painter.series))
-    steps = run.times_of(painter.series).index.to_numpy()
-    write_pictures(painter.pictures(steps[spread(len(steps), _FRAMES)].tolist()), path)
+def _animation(run: Run, path: Path, field: str | None) -> Path:
+    """At most thirty steps, evenly spread."""
+    painter = artist(run, Choice(field, size=_FRAME_SIZE))
+    painter.require(painter.step(None))
+    steps = painter.film
+    write_pictures(painter.pictures([steps[k] for k in spread(len(steps), _FRAMES)]), path)
     return path
 
 

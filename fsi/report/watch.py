@@ -59,7 +59,7 @@ def complete_rows(folder: Path) -> list[dict[str, float]]:
     with disk(folder, InputError, REMEDY):
         # The state first: the run commits what the table has already.
         least, checksum = _committed(folder)
-        text = content(table, REMEDY) if table.is_file() else b""
+        text = content(table, REMEDY) if least or table.is_file() else b""
         if len(text) < least:
             raise ValueError(f"{STEPS}: {least - len(text)} bytes are missing at its end")
         try:

@@ -64,8 +64,12 @@ def require_commit_of(path: Path, checkpoint: Checkpoint) -> None:
 
 
 def _record(path: Path) -> dict[str, Any] | None:
-    """What provenance.json keeps of the case; None where it keeps nothing. Raises InputError: no JSON."""
-    kept = json_of(path / PROVENANCE, REMEDY) if (path / PROVENANCE).exists() else None
+    """What provenance.json keeps of the case; None where it keeps nothing.
+
+    Raises InputError: no JSON, or it is lost; before the first commit nothing can be told by it.
+    """
+    there = (path / PROVENANCE).exists() or (path / STATE).exists()
+    kept = json_of(path / PROVENANCE, REMEDY) if there else None
     whole = isinstance(kept, dict) and all(isinstance(kept.get(key), dict) for key in ("case", "files"))
     return kept if whole else None
 

@@ -1,5 +1,6 @@
 """What all figures share: their style, their colours, names and labels, and how they are saved."""
 
+import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -50,6 +51,7 @@ class Theme:
 LIGHT = Theme("white", "#000000", "#c9c9c9", "#f3efe6", "#e8dfcf")
 DARK = Theme("#16181c", "#e6e6e6", "#4a4d52", "#b9b4a9", "#c8c0b2")
 SUFFIXES = (".png", ".svg", ".pdf")
+_LABEL, _TITLE, _LINES = 30, 40, 3  # letters of a line: side by side they fit a figure; lines of a title
 _FEWEST_DIGITS, _MOST_DIGITS = 6, 16  # of a label
 _OFF = 1e-3  # how far a label may be off, over the distance of the next
 _SHORT = 100.0  # ratio of the ends of an axis up to which steps in between have labels
@@ -82,6 +84,36 @@ def plain(text: str) -> str:
     What stands between two $ would be a formula, and legends leave out labels that begin with _.
     """
     return ("\u200b" if text.startswith("_") else "") + text.replace("$", r"\$")
+
+
+def plain_title(text: str) -> str:
+    """The same of a title in lines that end before a legend beside it; of a very long one the beginning."""
+    return plain("\n".join(textwrap.wrap(text, _TITLE, max_lines=_LINES, placeholder=" …")))
+
+
+def plain_labels(texts: Sequence[str]) -> list[str]:
+    """The same of all labels of a legend: of long lines the middle is left out, and equal ones are numbered.
+
+    Axes would have no room beside a legend as wide as such names. What is "run: curve" is two lines then.
+    """
+    brief = [_brief(text) for text in texts]
+    numbers = [brief[: k + 1].count(label) for k, label in enumerate(brief)]
+    return [
+        plain(f"{label} ({number})" if brief.count(label) > 1 else label)
+        for label, number in zip(brief, numbers, strict=True)
+    ]
+
+
+def _brief(text: str) -> str:
+    """A label in lines that are not long."""
+    broken = (line.replace(": ", ":\n", 1) if len(line) > _LABEL else line for line in text.split("\n"))
+    return "\n".join(_without_middle(line) for lines in broken for line in lines.split("\n"))
+
+
+def _without_middle(line: str) -> str:
+    """A line, of a long one as much of its beginning as of its end."""
+    kept = (_LABEL - 1) // 2
+    return line if len(line) <= _LABEL else f"{line[:kept].rstrip()}…{line[-kept:].lstrip()}"
 
 
 def require_figure(path: Path) -> None:

@@ -22,7 +22,8 @@ from fsi.postprocess.plots.figure import (
     LIGHT,
     Theme,
     label_short,
-    plain,
+    plain_labels,
+    plain_title,
     require_figure,
     saved_figure,
 )
@@ -155,16 +156,14 @@ def plot_runs(
     with saved_figure(output, (8.5, 0.8 + 2.4 * len(titles)), theme=theme) as figure:
         axes = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
         if len(histories) == 1:
-            axes[0].set_title(plain(runs[0].case.name))
+            axes[0].set_title(plain_title(runs[0].case.name))
+        entries: dict[str, Artist] = {}  # each label once
         for title, panel in zip(titles, axes, strict=True):
-            _draw(panel, title, histories)
+            for label, line in _draw(panel, title, histories):
+                entries.setdefault(label, line)
         _scale_time(axes, histories)
         figure.align_ylabels(axes)
-        entries: dict[str, Artist] = {}  # each label once
-        for panel in axes:
-            for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
-                entries.setdefault(label, handle)
-        figure.legend(list(entries.values()), list(entries), loc="outside right upper")
+        figure.legend([*entries.values()], plain_labels([*entries]), loc="outside right upper")
     return output
 
 
@@ -177,22 +176,22 @@ def _told_apart(histories: Sequence[RunHistory]) -> list[RunHistory]:
     return told
 
 
-def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
-    """One panel: a colour for each body of one run, or for each of several runs."""
-    values, single = [], len(histories) == 1
+def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> list[tuple[str, Artist]]:
+    """One panel: a colour for each body of one run, or for each of several runs; its lines with names."""
+    values, single, named = [], len(histories) == 1, list[tuple[str, Artist]]()
     for k, history in enumerate(histories):
         curves = history.panels.get(title, {})
         for law, curve in history.laws.items() if title == "gap" else ():
-            axes.plot(*curve, label=law, **_LAWS[law])
+            named += [(law, line) for line in axes.plot(*curve, label=law, **_LAWS[law])]
         for name, n in history.styles(title).items():
             value = curves[name]
             colour, dash = COLOURS[(n if single else k) % len(COLOURS)], _DASHES[n % len(_DASHES)]
-            label = plain(name if single else history.label(name))
+            label = name if single else history.label(name)
             if single and len(curves) == 1 and name not in history.case.names:  # of no body, or of a gap
                 colour = mpl.rcParams["text.color"]
             x, marker = _abscissa(history, histories), "o" if len(value) <= _FEW else ""
             style: dict[str, Any] = {"color": colour, "ls": dash, "lw": 1.5, "marker": marker, "ms": 4.0}
-            axes.plot(x, value, label=label, **style)
+            named += [(label, line) for line in axes.plot(x, value, label=label, **style) if label]
             values.append(value)
     y = np.concatenate(values)
     y = y[np.isfinite(y)]
@@ -207,6 +206,7 @@ def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
         short = max(0.0, _LEAST_SPAN * np.abs(y).max() - (high - low))
         axes.set_ylim(low - 0.5 * short, high + 0.5 * short)
     axes.set_ylabel(title)
+    return named
 
 
 def _abscissa(history: RunHistory, histories: Sequence[RunHistory]) -> Array:

@@ -10,7 +10,7 @@ from matplotlib.patches import Circle
 from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.postprocess.plots.figure import COLOURS, GREY, LIGHT, Theme, plain, saved_figure
+from fsi.postprocess.plots.figure import COLOURS, GREY, LIGHT, Theme, plain_labels, plain_title, saved_figure
 from fsi.postprocess.run.run import Run
 
 _SINGLY = len(COLOURS)  # of more bodies all paths have one colour
@@ -61,12 +61,12 @@ def plot_paths(run: Run, output: Path, relative: str | None = None, theme: Theme
     if any(body.shape is not None for body in run.case.bodies):
         raise InputError("bodies: have shapes, but paths are drawn with discs; draw them by `fsi render`")
     with saved_figure(output, (7.0, 6.0), theme=theme) as figure:
-        axes = figure.add_subplot(aspect="equal", adjustable="datalim", title=plain(run.case.name))
+        axes = figure.add_subplot(aspect="equal", adjustable="datalim", title=plain_title(run.case.name))
         if relative is not None:
             x = relative_path(run, relative)
             seen, centre = (word.strip() for word in relative.split(","))
             axes.add_patch(Circle((0.0, 0.0), float(radii[names.index(centre)]), color=GREY, alpha=0.5, lw=0))
-            axes.plot(*x.T, color=COLOURS[0], label=plain(f"{seen}, seen from {centre}"))
+            axes.plot(*x.T, color=COLOURS[0], label=",\nseen from ".join(plain_labels([seen, centre])))
             axes.plot(*x[0], "o", color=COLOURS[0], mfc="none")
             axes.legend()
         else:
@@ -78,9 +78,10 @@ def plot_paths(run: Run, output: Path, relative: str | None = None, theme: Theme
 def _draw_paths(axes: Axes, names: tuple[str, ...], x: Array, radii: Array) -> None:
     """Of all bodies: few have colours and names; outlines are pale at the start."""
     few = len(names) <= _SINGLY
-    for k, name in enumerate(names):
+    labels = plain_labels(names) if few else [None] * len(names)
+    for k, label in enumerate(labels):
         colour = COLOURS[k] if few else COLOURS[0]
-        axes.plot(*x[:, k].T, color=colour, lw=1.5 if few else 0.7, label=plain(name) if few else None)
+        axes.plot(*x[:, k].T, color=colour, lw=1.5 if few else 0.7, label=label)
         for at, alpha in ((0, 0.25), (-1, 0.8)):
             style = {"fill": False, "color": colour, "lw": 1.0, "alpha": alpha}
             axes.add_patch(Circle((float(x[at, k, 0]), float(x[at, k, 1])), float(radii[k]), **style))

@@ -17,7 +17,7 @@ from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import undisturbed
 from fsi.postprocess.render.view import View
 from fsi.postprocess.run.grids import nodes
-from fsi.postprocess.run.probe import FLUID, probe
+from fsi.postprocess.run.probe import FLUID, probe_smoothly
 from fsi.postprocess.run.run import Run
 
 _X, _Y, _UP = np.eye(3)
@@ -26,7 +26,7 @@ _ACROSS = {
     "y": (_X, _UP),
     "z": (_X, _Y),
 }  # what points right and up on planes across each axis
-_POINTS = 161  # along each side of the plane: exact values there, linear in between
+_POINTS = 161  # along each side of the plane: values of the elements there, linear in between
 _APART = 0.06  # distance of streamlines, over half the width of the window
 
 type Flow = tuple[pv.PolyData, pv.PolyData]  # a surface, and lines on it
@@ -143,19 +143,24 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
     """The part of the cut with |s|, |t| <= reach inside the walls, as a surface and its streamlines.
 
     Periods are filled with images. Points are (s, t, 0); the surface has the point data `value`. Values go
-    on from the fluid into the bodies, whose pictures hide it.
+    on from the fluid into the bodies, whose pictures hide it, and from cell to cell: rates that jump there
+    would have the colours of either sign where they are small.
+
+    Raises InputError: the files have not what the field is computed from.
     """
     dimensions, side = (_POINTS, _POINTS, 1), 2.0 * reach / (_POINTS - 1)
     grid = pv.ImageData(dimensions=dimensions, spacing=(side, side, 1.0), origin=(-reach, -reach, 0.0))
     s, t, _ = np.asarray(grid.points, dtype=float).T
     x = cut.points(s, t)
     container = run.container(step)
-    table = probe(run, x, step)
+    table = probe_smoothly(run, x, step)
     fluid = (table["where"] == FLUID).to_numpy()
     nearest = np.flatnonzero(fluid)[cKDTree(x[fluid]).query(x)[1]]
     known = _known(table.iloc[nearest], cut)
     if (flow := undisturbed(run, step)) is not None:
         known[DISTURBANCE] = known["velocity"] - flow.at(x[nearest])
+    if not {*field.needs} <= {*known}:
+        raise InputError(f"--field {field.name}: is not in the files of step {step}; run the case again")
     grid["value"] = field.value(known, run.case.fluid.viscosity)
     u = known[field.streamlines or "velocity"]
     grid["in plane"] = np.column_stack([u @ cut.along, u @ cut.up, np.zeros(len(x))])
@@ -173,10 +178,13 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
 
 
 def _known(table: pd.DataFrame, cut: Cut) -> dict[str, Array]:
-    """What `fsi probe` says of points, by the names of the files; of vorticity the part across the cut."""
-    velocity, curl = (table[[f"{name}_{c}" for c in "xyz"]].to_numpy() for name in ("u", "vorticity"))
-    scalars = {"pressure": table["p"].to_numpy(), "strain_rate": table["strain_rate"].to_numpy()}
-    return {"velocity": velocity, "vorticity": curl @ cut.across} | scalars
+    """What is known at points, by the names of the files; of vorticity the part across the cut."""
+    known = {"velocity": table[[f"u_{c}" for c in "xyz"]].to_numpy(), "pressure": table["p"].to_numpy()}
+    if "vorticity_x" in table:
+        known["vorticity"] = table[[f"vorticity_{c}" for c in "xyz"]].to_numpy() @ cut.across
+    if "strain_rate" in table:
+        known["strain_rate"] = table["strain_rate"].to_numpy()
+    return known
 
 
 def cut_cells(run: Run, step: int, cut: Cut) -> pv.PolyData:

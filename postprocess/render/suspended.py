@@ -53,7 +53,7 @@ class MotionArtist(Artist):
         super().__init__(run, choice)
         if choice.gap is not None:
             raise InputError(f"--gap {choice.gap}: --field {MOTION} shows all bodies; drop one of the two")
-        if not (run.viscous and run.case.geometry == "planar" and run.case.bodies):
+        if not run.drawn_by_tables:
             raise InputError(f"--field {MOTION}: is for bodies in a viscous fluid in the plane; drop it")
         self._moving = lru_cache(maxsize=1)(self._read)
 

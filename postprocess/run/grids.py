@@ -16,7 +16,7 @@ from fsi.errors import InputError
 
 Indices = NDArray[np.intp]
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
-_REMEDY = "run the case again, or ask for another time"  # `fsi resume` does not look at field files
+_REMEDY = "run the case again"  # `fsi resume` does not look at field files
 
 
 def read_grid(path: Path, names: Sequence[str]) -> pv.UnstructuredGrid:
@@ -26,15 +26,19 @@ def read_grid(path: Path, names: Sequence[str]) -> pv.UnstructuredGrid:
     try:
         with _quiet_vtk(), warnings.catch_warnings(action="error"):  # pyvista only warns of a broken file
             grid = pv.read(path)
-            _require_sound(grid, names)
-    except (OSError, RuntimeError, ValueError, AttributeError, UserWarning) as error:
-        told = " ".join(str(error).split())[:200]
-        raise InputError(f"{path}: cannot be read ({told}); {_REMEDY}") from None
+    except (OSError, RuntimeError, ValueError, AttributeError, UserWarning):  # in words of VTK's own
+        raise InputError(f"{path}: is damaged; {_REMEDY}") from None
+    try:
+        _require_sound(grid, names)
+    except ValueError as error:
+        raise InputError(f"{path}: is damaged ({error}); {_REMEDY}") from None
     return grid
 
 
 def _require_sound(grid: pv.UnstructuredGrid, names: Sequence[str]) -> None:
     """Raise ValueError unless cells of one kind join nodes that are there, with finite values at them."""
+    if not isinstance(grid, pv.UnstructuredGrid):
+        raise ValueError("it has no such grid")
     corners = grid.cell_connectivity
     if corners.min(initial=0) < 0 or corners.max(initial=-1) >= grid.n_points:
         raise ValueError("its cells join nodes that it has not")

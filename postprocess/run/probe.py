@@ -2,7 +2,8 @@
 
 The field files hold the nodes of the element and its values there, so that its polynomials are known; in a
 curved cell the point is found by Newton's method (`fsi.meshes.cells.lagrange`). Vorticity and strain rate
-jump from cell to cell; at a point they are those of the cell that holds it.
+jump from cell to cell; at a point they are those of the cell that holds it. Pictures take the means at nodes
+that the files have of them, which go on from cell to cell.
 """
 
 import io
@@ -33,6 +34,7 @@ OUTSIDE = "outside"
 # Curved sides follow circles to 1e-5 radii or better: a point that is on a body to rounding counts as fluid.
 _TOLERANCE = 1e-4
 _BRIEF = 80  # letters of a heading that is told
+_RATES = ("vorticity", "strain_rate")  # what jumps from cell to cell
 _SAME_PLACE = 1e-12  # of the size of the domain: a mesh has images to rounding, and neighbours in narrow gaps
 
 
@@ -48,15 +50,32 @@ def probe(run: Run, points: ArrayLike, step: int | None = None) -> pd.DataFrame:
     Raises InputError: that is no run, it has no fields of that step, or those are no points.
     """
     require_type("run", run, "give fsi.open_run(PATH)", right=isinstance(run, Run))
-    letters, step = letters_of(run), run.step(step)
-    points = given_points(points, run.case.dimension)
+    step = run.step(step)
+    return _probed(run, given_points(points, run.case.dimension), step, means=False)
+
+
+def probe_smoothly(run: Run, points: Array, step: int) -> pd.DataFrame:
+    """The same at points (n, d), but vorticity and strain rate by the means at nodes that the files have.
+
+    Where the files have none, as those of old runs, these columns are left out. Raises InputError as `probe`.
+    """
+    return _probed(run, points, step, means=True)
+
+
+def _probed(run: Run, points: Array, step: int, *, means: bool) -> pd.DataFrame:
+    """The table of both."""
+    letters = letters_of(run)
     fluid, container = run.mesh(step), run.container(step)
     table = pd.DataFrame(dict(zip(letters, points.T, strict=True)) | {"where": FLUID})
     with np.errstate(over="ignore", invalid="ignore"):  # no integer tells which image is far out
         found = _located(fluid, Lattice(container.periods), points)
         inside = found.cell >= 0
         table.loc[~inside, "where"] = _places(run, points[~inside], step)
-    for name, known in _values(fluid, found.those(inside), container, letters).items():
+    values = _values(fluid, found.those(inside), container, letters)
+    if means:
+        values = {name: known for name, known in values.items() if not name.startswith(_RATES)}
+        values |= _nodal_rates(fluid, found.those(inside), letters)
+    for name, known in values.items():
         table[name] = np.nan
         table.loc[inside, name] = known
     return table
@@ -142,6 +161,18 @@ def _values(
         rises = found.away @ mean_pressure_gradient(fluid, Lattice(container.periods))
         values["p"] = np.sum(phi * fluid["pressure"][at], axis=1) + rises
     return values | curls | {"strain_rate": strain_rate(G, hoop)}
+
+
+def _nodal_rates(fluid: pv.UnstructuredGrid, found: _Found, letters: str) -> dict[str, Array]:
+    """Vorticity and strain rate at points in the fluid by their values at nodes, where those are known."""
+    at = nodes(fluid)[found.cell]
+    phi, _ = tabulate(order_of(at.shape[1], len(letters)), found.X)
+    values: dict[str, Array] = {}
+    for name in (name for name in _RATES if name in fluid.point_data):
+        table = np.asarray(fluid[name]).reshape(fluid.n_points, -1)
+        columns = [name] if table.shape[1] == 1 else [f"{name}_{c}" for c in letters]
+        values |= zip(columns, np.einsum("pn,pnc->cp", phi, table[at]), strict=True)
+    return values
 
 
 def mean_pressure_gradient(fluid: pv.UnstructuredGrid, lattice: Lattice) -> Array:

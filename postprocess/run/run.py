@@ -83,6 +83,11 @@ class Run:
         return self.case.level.series
 
     @property
+    def drawn_by_tables(self) -> bool:
+        """Whether it has bodies in a viscous fluid in the plane, which are drawn without any field files."""
+        return self.viscous and self.case.geometry == "planar" and bool(self.case.bodies)
+
+    @property
     def steps(self) -> pd.DataFrame:
         """steps.csv, a row for each step; a copy. Raises InputError, as does `bodies`."""
         return self._steps.copy()
@@ -169,7 +174,7 @@ class Run:
                 self.table("steps")  # without a step yet there are no fields either
             what = f"{self.path / series}.pvd: the run has written no fields"
             remedy = "set output.fields = true and run it again"
-            if self.series == "fluid" and self.case.geometry == "planar":
+            if self.drawn_by_tables:
                 remedy += ", or see `fsi render --field motion`, which needs none"
             raise InputError(f"{what}; {remedy}")
         if step is None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fsi.errors import InputError
 from fsi.files import content
+from fsi.run_folder.kept import REMEDY
 from fsi.run_folder.rows import read_rows
 
 
@@ -19,7 +20,7 @@ def read_table(path: Path, length: int | None, end: float = inf, checksum: int |
 
     Raises InputError: there is no such file, it has no rows, or it is not as a run has written it.
     """
-    text = content(path, "give a folder that `fsi run` has written")
+    text = content(path, REMEDY)
     if length is not None and len(text) < length:
         raise _changed(path, f"{length - len(text)} bytes are missing at its end")
     text = text[:length]

@@ -27,6 +27,13 @@ def velocity(x: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.column_stack([x[:, 1] * x[:, 2], x[:, 2] ** 2, x[:, 0] * x[:, 1]])
 
 
+def rates(x: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Its vorticity, (n, 3), and its strain rate sqrt(2 e:e), (n,)."""
+    curl = np.column_stack([x[:, 0] - 2.0 * x[:, 2], np.zeros(len(x)), -x[:, 2]])
+    squared = x[:, 2] ** 2 + 4.0 * x[:, 1] ** 2 + (2.0 * x[:, 2] + x[:, 0]) ** 2
+    return {"vorticity": curl, "strain_rate": np.sqrt(squared)}
+
+
 def write_spatial_run(folder: Path) -> Path:
     """The fields fill the box, the ball too; inner nodes are moved by a map that keeps its faces."""
     (folder / "fields").mkdir()
@@ -47,6 +54,7 @@ def write_spatial_run(folder: Path) -> Path:
     )
     grid["velocity"] = velocity(nodes)
     grid["pressure"] = nodes[:, 0]
+    grid.point_data.update(rates(nodes))
     grid.save(folder / "fields" / "fluid_000000.vtu")
     entry = '<DataSet timestep="0.0" part="0" file="fields/fluid_000000.vtu"/>'
     (folder / "fluid.pvd").write_text(f"<VTKFile><Collection>{entry}</Collection></VTKFile>")

@@ -76,12 +76,25 @@ def test_a_violated_identity_is_marked(checked_run: Path, monkeypatch: pytest.Mo
     assert "VIOLATED" in page(checked_run)
 
 
+@pytest.mark.usefixtures("drawing")
 def test_a_finished_run_without_fields(tmp_path: Path) -> None:
+    """Its bodies are drawn by its tables."""
     start(small_case(output={"fields": False}), tmp_path / "run")
     text = page(tmp_path / "run")
     assert "Finished: " in text
     assert "Not finished" not in text
-    assert "has written no fields" in text
+    assert len(StrictReader(text).sources) == 3
+    assert 'class="warning"' not in text
+    assert "speeds of the bodies at the last step; the run has written no fields" in text
+
+
+def test_fields_that_a_run_has_not_are_told_of_once(checked_run: Path) -> None:
+    """Around an axis all pictures but the histories need them; the page may be read in any folder."""
+    (checked_run / "fluid.pvd").unlink()
+    case = checked_run / "case.toml"
+    case.write_text(case.read_text().replace("planar", "axisymmetric"))
+    (reason,) = re.findall(r'<p class="warning">([^<]*)</p>', page(checked_run).split("<h2>Checks")[0])
+    assert reason.startswith("fluid.pvd: the run has written no fields; ")
 
 
 @pytest.mark.parametrize("table", ["steps", "bodies"])

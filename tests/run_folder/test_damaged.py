@@ -129,6 +129,18 @@ def _files(folder: Path) -> dict[Path, int]:
     return {path: path.lstat().st_size for path in folder.rglob("*")}
 
 
+@pytest.mark.parametrize(("name", "commands"), [("steps.csv", "plot report watch"),
+                                                ("provenance.json", "plot report watch resume")])  # fmt: skip
+def test_a_lost_file_is_told_alike_by_all(
+    name: str, commands: str, copied: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Watched, a lost table had lost bytes at its end; without its record a run was reported unchecked."""
+    (copied / name).unlink()
+    for command in commands.split():
+        told = complaint(capfd, monkeypatch, command, str(copied))
+        assert f"{copied / name}: No such file or directory; put that right or run the case again" in told
+
+
 @pytest.mark.parametrize("left", ["fields", "steps.csv", "bodies.csv"])
 def test_a_run_that_has_lost_its_state_is_left_as_it_is(
     left: str, copied: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

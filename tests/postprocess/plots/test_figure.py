@@ -12,6 +12,8 @@ from fsi.postprocess.plots.figure import (
     PlainNumbers,
     label_short,
     plain,
+    plain_labels,
+    plain_title,
     require_figure,
     saved_figure,
 )
@@ -74,6 +76,17 @@ def test_names_are_drawn_letter_by_letter(name: str) -> None:
     (text,) = axes.legend().get_texts()
     raw = figure.text(0.0, 0.0, name, parse_math=False, fontsize=text.get_fontsize())
     assert text.get_window_extent().width == pytest.approx(raw.get_window_extent().width, abs=1.0)
+
+
+def test_long_names_are_told_apart() -> None:
+    """Of 31 letters 14 stay at both ends, of 30 all; what then is the same has numbers."""
+    assert plain_labels(["a" * 30, "b" * 17 + "c" * 14]) == ["a" * 30, "b" * 14 + "…" + "c" * 14]
+    same = [f"{'a' * 20}{k}{'z' * 20}" for k in range(3)]
+    assert plain_labels(same) == [f"{'a' * 14}…{'z' * 14} ({k})" for k in (1, 2, 3)]
+    assert plain_labels(["a$ " * 11]) == [r"a\$ a\$ a\$ a\$ a\$…\$ a\$ a\$ a\$ a\$ "]
+    assert plain_title("word " * 9) == "word word word word word word word word\nword"
+    assert max(map(len, plain_title("word " * 99).split("\n"))) <= 40
+    assert plain_title("word " * 99).endswith(" …")
 
 
 @pytest.mark.parametrize(("least", "most"), [(0.32, 0.41), (0.5, 0.50003), (9.4, 10.6), (2.4e-5, 1.55e-3)])

@@ -221,12 +221,33 @@ def test_names_are_drawn_as_they_are(tmp_path: Path, drawn: list[Figure]) -> Non
     assert [text.get_text()[-2:] for text in drawn[0].legends[0].get_texts()] == ["_a", "_b"]
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("letters", [60, 120])
+def test_long_names_leave_room_for_curves(letters: int, tmp_path: Path, drawn: list[Figure]) -> None:
+    """Axes were 0.24 of the figure beside 60 letters, without any layout beside 120; titles ran into legends.
+
+    A line of 30 letters, 0.085 inches each, is some 0.3 of 8.5 inches.
+    """
+    write_pair(tmp_path, 1.0)
+    for file in (tmp_path / "case.toml", tmp_path / "bodies.csv"):
+        file.write_text(file.read_text().replace("_b", "b" * letters).replace("$a_1$ and $", "name " * 12))
+    plot_runs([fsi.open_run(tmp_path)], tmp_path / "a.png")
+    (figure,) = drawn
+    figure.draw_without_rendering()
+    axes, (legend,) = figure.axes[0], figure.legends
+    title = axes.title if axes.title.get_text() else axes._left_title  # type: ignore[attr-defined]
+    assert axes.get_position().width > 0.4
+    assert title.get_window_extent().x1 < legend.get_window_extent().x0
+    assert legend.get_window_extent().x1 <= figure.bbox.x1
+
+
 def test_runs_of_one_name_have_a_colour_each(tmp_path: Path, drawn: list[Figure]) -> None:
     """In the legend too; the folders here are one and the same."""
-    run = write_pair(tmp_path, 1.0)
+    (folder := tmp_path / "pair").mkdir()
+    run = write_pair(folder, 1.0)
     plot_runs([run, run], tmp_path / "a.png")
-    legend, name = drawn[0].legends[0], tmp_path.name
-    expected = [f"{name} ({n}): {body}" for n in (1, 2) for body in ("_a", "_b")]
+    legend = drawn[0].legends[0]
+    expected = [f"pair ({n}): {body}" for n in (1, 2) for body in ("_a", "_b")]
     assert [text.get_text() for text in legend.get_texts()] == [plain(label) for label in expected]
     colours = [line.get_color() for line in legend.get_lines()]
     assert colours[0] == colours[1] != colours[2] == colours[3]

@@ -112,7 +112,8 @@ def test_sheared_runs_are_drawn_over_strain_whatever_is_asked(run: fsi.Run, draw
     assert read_history(sheared, curves="gap,x").strain == pytest.approx([0.0, 0.25, 0.5], rel=1e-12)
     plot_runs([sheared, sheared], run.path / "a.png", curves="gap,apparent viscosity")
     assert drawn[0].axes[-1].get_xlabel() == "strain"
-    shown = [text.get_text().rpartition(" (")[2] for text in drawn[0].legends[0].get_texts()]
+    shown = [text.get_text().replace("\n", " ") for text in drawn[0].legends[0].get_texts()]
+    shown = [text.rpartition(" (")[2] for text in shown]
     viscosities = ["1): apparent viscosity", "2): apparent viscosity"]
     assert shown == ["1): a", "1): b", "2): a", "2): b", *viscosities]
 
