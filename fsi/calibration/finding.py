@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fsi.bodies.gaps import foot_between
+from fsi.calibration.film import film_length
 from fsi.calibration.pair import SAME_GAP, Pair, planned_gaps
 from fsi.calibration.sharpness import is_sharp, sharpness
 from fsi.case.case import Case
@@ -36,10 +37,10 @@ def pair_of(case: Case) -> Pair:
     _check_mode(pair)
     _check_tips(pair)
     _check_surroundings(case)
-    _check_reach(pair)
     pair.require_resolved()
     for gap in plan.range:
         pair.require_gap(gap)
+    _check_reach(pair)
     return pair
 
 
@@ -134,13 +135,21 @@ def _check_tips(pair: Pair) -> None:
 
 
 def _check_reach(pair: Pair) -> None:
-    """A series of a known exponent has samples where it converges; the table has them anywhere."""
+    """A series has samples where it converges; the table has them anywhere."""
     plan = pair.plan
-    if plan.form == "table" or pair.shape == "shapes":
+    if plan.form == "table":
         return
-    reach = pair.reduced_radius * pair_series(pair.shape, plan.mode, pair.ratio).reach
-    if sum(gap < reach for gap, held_out in planned_gaps(pair) if not held_out) <= FREE:
-        where = f"a series takes {FREE + 1} samples at least at gaps below the smaller diameter, {reach:g}"
+    fewest, what = FREE + 1, "the smaller diameter"
+    if pair.shape == "shapes":
+        fewest, what = FREE + 2, "the length to which both shapes go on as they do where they are nearest"
+        reach = film_length(pair)
+        if reach == 0.0:
+            flat = "the shapes are flat where they are nearest, of no power law of the gap"
+            raise _refusal(plan, f'{flat}; turn them, or give calibration.form = "table"')
+    else:
+        reach = pair.reduced_radius * pair_series(pair.shape, plan.mode, pair.ratio).reach
+    if sum(gap < reach for gap, held_out in planned_gaps(pair) if not held_out) < fewest:
+        where = f"a series takes {fewest} samples at least at gaps below {what}, {reach:.4g}"
         raise refusal("calibration.range", plan.range, f'{where}; give them, or calibration.form = "table"')
 
 

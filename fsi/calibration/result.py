@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from fsi.arrays import Array
+from fsi.calibration.film import film_length
 from fsi.calibration.pair import Pair
 from fsi.calibration.samples import Sample, Samples, as_arrays
 from fsi.case.law_file import LawFile, SeriesSection, TableSection, not_falling
@@ -190,7 +191,9 @@ def _fit(pair: Pair, fitted: Samples, *, confined: bool) -> Fit:
     """The series through samples without dimension, of shapes with a free exponent."""
     s, K, bars = fitted.d, fitted.kappa, fitted.bars
     if pair.shape == "shapes":
-        free = REVOLVED if pair.case.axisymmetric else PLANAR
+        free = (REVOLVED if pair.case.axisymmetric else PLANAR).within(
+            film_length(pair) / pair.reduced_radius
+        )
         return fit_exponent(s, K, bars, free.confined() if confined else free)
     return fit_series(s, K, bars, pair_series(pair.shape, pair.plan.mode, pair.ratio, confined=confined))
 

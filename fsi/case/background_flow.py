@@ -68,7 +68,7 @@ def _of_uniform(container: Container, velocity: Mapping[str, Array]) -> tuple[Ar
     if not len(moves) or np.ptp(moves, axis=0).max() <= same:
         return (moves[0].copy() if len(moves) else np.zeros(d)), np.zeros((d, d))
     if not container.faces:
-        raise _fastest(velocity)
+        raise _unknown_flow(velocity)
     return _between_walls(container, velocity, same)
 
 
@@ -81,20 +81,20 @@ def _between_walls(container: Container, velocity: Mapping[str, Array], same: fl
         moves = np.array([velocity[name] for name in sides if name in velocity]).reshape(-1, d)
         across, along = moves[:, axis], np.where(np.arange(d) == axis, 0.0, moves)
         if len(across) == 2 and np.all(np.abs(across) > same) and abs(np.diff(across)[0]) <= same:
-            raise _fastest(velocity)
+            raise _unknown_flow(velocity)
         if np.abs(along).max(initial=0.0) > same:
             driving.append((axis, tuple(sides.values()), along[0], along[-1]))
     if not driving:
         return np.zeros(d), np.zeros((d, d))
     if len(driving) > 1 or container.axisymmetric:
-        raise _fastest(velocity)
+        raise _unknown_flow(velocity)
     axis, (start, end), low, high = driving[0]
     E = np.zeros((d, d))
     E[:, axis] = (high - low) / (end - start)
     return low - E[:, axis] * start, E
 
 
-def _fastest(velocity: Mapping[str, Array]) -> InputError:
+def _unknown_flow(velocity: Mapping[str, Array]) -> InputError:
     name = max(velocity, key=lambda name: float(np.abs(velocity[name]).max()))
     return _other_flow(name, WallVelocity.uniform(velocity[name].tolist()))
 

@@ -61,36 +61,60 @@ def test_a_disc_beside_a_plane_has_its_own_exponent() -> None:
 
 @pytest.mark.parametrize(
     ("shape", "series", "smallest", "largest", "error"),
-    [("discs", PLANAR, 1e-3, 1.0, 3e-8), ("spheres", REVOLVED, 1e-4, 0.3, 1e-7)],
+    [("discs", PLANAR, 1e-3, 0.9, 3e-8), ("spheres", REVOLVED, 1e-4, 0.3, 1e-7)],
 )
 def test_wide_gaps_do_not_shift_the_exponent(
     shape: Shape, series: FreeSeries, smallest: float, largest: float, error: float
 ) -> None:
-    """3/2 and 3 sqrt(2) pi, 1 and 6 pi: with series that end at s^m or s 2.2 to 2.5 intervals off."""
+    """3/2 and 3 sqrt(2) pi, 1 and 6 pi: with series that end at s^m or s 1.6 to 2.9 intervals off."""
     m, first = (1.5, 3.0 * np.sqrt(2.0) * np.pi) if shape == "discs" else (1.0, 6.0 * np.pi)
     s = np.geomspace(smallest, largest, 14)
     K = exact_resistance(shape, "squeeze", s, np.inf)
     fit = fit_exponent(s, K, error * K, series)
     assert fit.used.all()
-    assert abs(fit.exponent + m) < 0.5 * fit.exponent_interval < 5.0 * error
-    assert abs(fit.coefficients[0] - first) < 0.5 * fit.intervals[0] < 50.0 * error * first
+    assert abs(fit.exponent + m) < 0.5 * fit.exponent_interval < 15.0 * error
+    assert abs(fit.coefficients[0] - first) < 0.5 * fit.intervals[0] < 100.0 * error * first
+
+
+def film_of_an_ellipse(d: Array, b: float) -> Array:
+    """12 int x^2/h^3 dx below the flat side of half axes 1 and b, h = d + b (1 - cos t), x = sin t."""
+    u = np.linspace(-12.0, 12.0, 4001)
+    t = np.sqrt(d[:, None] / b) * np.sinh(u)
+    t, weight = np.clip(t, -np.pi / 2.0, np.pi / 2.0), np.where(np.abs(t) < np.pi / 2.0, np.cosh(u), 0.0)
+    h = d[:, None] + b * (1.0 - np.cos(t))
+    inside = np.sin(t) ** 2 * np.cos(t) / h**3 * weight * np.sqrt(d[:, None] / b)
+    return np.asarray(12.0 * (u[1] - u[0]) * inside.sum(axis=1))
+
+
+def test_samples_beyond_the_film_are_left_aside() -> None:
+    """3/2 and 3 sqrt(2) pi R^(3/2), R = 1/b; by samples up to the larger half axis 3.3 intervals off."""
+    b, d = 0.15, np.geomspace(1e-3, 0.5, 12)
+    K = film_of_an_ellipse(d, b)
+    fit = fit_exponent(d, K, 1e-7 * K, PLANAR.within(8.0 / 9.0 * b))
+    assert fit.range[1] < 8.0 / 9.0 * b
+    first = 3.0 * np.sqrt(2.0) * np.pi / b**1.5
+    assert abs(fit.exponent + 1.5) < fit.exponent_interval < 1e-4
+    assert abs(fit.coefficients[0] - first) < fit.intervals[0] < 1e-3 * first
+    with pytest.raises(ValueError, match="4 samples: a fit needs more than 4"):
+        fit_exponent(d, K, 1e-7 * K, PLANAR.within(d[4]))
 
 
 @pytest.mark.parametrize("lengths", [40.0, 100.0])
 def test_gaps_may_be_given_by_a_length_far_above_that_of_the_film(lengths: float) -> None:
-    """A disc's, 3 sqrt(2) pi / l^(3/2); with coefficients of the size of c_1 alone two intervals off."""
+    """A disc's, 3 sqrt(2) pi / l^(3/2); with priors of c_1 at any l 1.9 intervals off."""
     s = np.geomspace(5e-6, 5e-3, 8)
+    series = PLANAR.within(1.0 / lengths)
     K = exact_resistance("discs", "squeeze", lengths * s, np.inf)
-    fit = fit_exponent(s, K, 1e-7 * K)
+    fit = fit_exponent(s, K, 1e-7 * K, series)
     first = 3.0 * np.sqrt(2.0) * np.pi / lengths**1.5
     assert fit.used.all()
     assert abs(fit.exponent + 1.5) < fit.exponent_interval < 1e-5
     assert abs(fit.coefficients[0] - first) < fit.intervals[0] < 1e-4 * first
 
 
-@pytest.mark.parametrize("m", [0.6, 0.75, 1.5])
+@pytest.mark.parametrize("m", [0.6, 1.2, 1.5])
 def test_what_surroundings_add_is_not_taken_for_the_pairs(m: float) -> None:
-    """20/(2 - s)^(3/2), of a wall two lengths away: without s and s^2 it is up to 2 intervals off."""
+    """20/(2 - s)^(3/2), of a wall two lengths away, which is analytic in s."""
     s = np.geomspace(1e-4, 1e-1, 16)
     K = s**-m + 0.8 * s ** (-m / 3.0) + 0.5 * s ** (m / 3.0) + 20.0 / (2.0 - s) ** 1.5
     fit = fit_exponent(s, K, 1e-6 * K, PLANAR.confined())
@@ -98,8 +122,8 @@ def test_what_surroundings_add_is_not_taken_for_the_pairs(m: float) -> None:
     assert abs(fit.exponent + m) < fit.exponent_interval < 1e-3
     assert abs(fit.coefficients[0] - 1.0) < fit.intervals[0]
     assert min(np.diff(sorted(term.power for term in fit.terms))) > 0.1
-    # s is s^(5 m/3), s^(4 m/3), or with m = 3/2 it is s^(2 m/3) and s^2 is s^(4 m/3)
-    assert len(fit.terms) == (8 if m == 1.5 else 9)
+    # s is s^(5 m/3), s^2 is s^(10 m/3), or with m = 3/2 s^(2 m/3) and s^(4 m/3); with 6/5 s is no other
+    assert len(fit.terms) == (19 if m == 1.2 else 18)
 
 
 @pytest.mark.parametrize(("low", "high"), [(1e-4, 1e-1), (1e-5, 1e-2)])
