@@ -1,7 +1,7 @@
 """Compiled loops over rows with as many entries each; see `fsi.bodies.rows`.
 
 Iterations with many rows take the time of reading and writing vectors, so that a loop does with a row all
-that it can: conjugate gradients take 0.6 of the time of those that do one operation after the other.
+that it can: conjugate gradients take 0.6 to 0.7 of the time of those that do one operation after the other.
 """
 
 from typing import NamedTuple

@@ -191,9 +191,8 @@ def _fit(pair: Pair, fitted: Samples, *, confined: bool) -> Fit:
     """The series through samples without dimension, of shapes with a free exponent."""
     s, K, bars = fitted.d, fitted.kappa, fitted.bars
     if pair.shape == "shapes":
-        free = (REVOLVED if pair.case.axisymmetric else PLANAR).within(
-            film_length(pair) / pair.reduced_radius
-        )
+        series = REVOLVED if pair.case.axisymmetric else PLANAR
+        free = series.within(film_length(pair) / pair.reduced_radius)
         return fit_exponent(s, K, bars, free.confined() if confined else free)
     return fit_series(s, K, bars, pair_series(pair.shape, pair.plan.mode, pair.ratio, confined=confined))
 
