@@ -29,6 +29,21 @@ class _Rows(NamedTuple):
     transposed: Array
 
 
+class _Bounded(NamedTuple):
+    """`min 1/2 z.W z + c.z` over `z >= least`, (R,) each."""
+
+    c: Array
+    least: Array
+
+
+class _Iterates(NamedTuple):
+    """Where the gradient is taken, the last z and the new one, (R,) each."""
+
+    y: Array
+    z: Array
+    new: Array
+
+
 class Products:
     """`z -> W z`, with `W = J J^T + diag(slack)`; z and the product are (R,)."""
 
@@ -62,7 +77,7 @@ class Products:
             the new z, and whether it is uphill, so that the momentum is given up.
         """
         new = np.empty(len(z))
-        return new, _descend(self._rows, c, least, y, z, momentum, new)
+        return new, _descend(self._rows, _Bounded(c, least), _Iterates(y, z, new), momentum)
 
 
 @compiled
@@ -88,14 +103,12 @@ def _conjugate_gradients(rows: _Rows, right: Array, tolerance: float, most: int,
 
 
 @compiled
-def _descend(
-    rows: _Rows, c: Array, least: Array, y: Array, z: Array, momentum: float, new: Array
-) -> bool:  # fmt: skip
-    _transposed(rows, y)
-    _product(rows, y, new)
-    uphill = _project(c, least, y, z, new) > 0.0
-    for r in range(len(y)):
-        y[r] = new[r] if uphill else new[r] + momentum * (new[r] - z[r])
+def _descend(rows: _Rows, bounded: _Bounded, at: _Iterates, momentum: float) -> bool:
+    _transposed(rows, at.y)
+    _product(rows, at.y, at.new)
+    uphill = _project(bounded, at) > 0.0
+    for r in range(len(at.y)):
+        at.y[r] = at.new[r] if uphill else at.new[r] + momentum * (at.new[r] - at.z[r])
     return uphill
 
 
@@ -148,10 +161,10 @@ def _turn(beta: float, r: Array, p: Array) -> None:
 
 
 @vectorised
-def _project(c: Array, least: Array, y: Array, z: Array, new: Array) -> float:
+def _project(bounded: _Bounded, at: _Iterates) -> float:
     """In new `W y` gives way to the projection; how far it goes uphill."""
     uphill = 0.0
-    for r in range(len(y)):
-        new[r] = max(y[r] - (new[r] + c[r]), least[r])
-        uphill += (y[r] - new[r]) * (new[r] - z[r])
+    for r in range(len(at.y)):
+        at.new[r] = max(at.y[r] - (at.new[r] + bounded.c[r]), bounded.least[r])
+        uphill += (at.y[r] - at.new[r]) * (at.new[r] - at.z[r])
     return uphill

@@ -8,19 +8,42 @@ say of it follows. Besides there are the components of bodies, and of a run the 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from fsi.errors import refuse_taken
 
 if TYPE_CHECKING:
-    from fsi.case.case import Case
+    from fsi.case.domains.domain import Domain
     from fsi.integration.state import Measured
+    from fsi.levels import ModelLevel
+    from fsi.meshes.geometry.container import Container
 
 _TIME_AT_GAP = "time at gap "
 _OF_TIME = rf"{_TIME_AT_GAP}(\d+\.?\d*|\.\d+)(e[+-]?\d+)?"
 _OF_BODY = r"[\w -]+\.((velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque)"
+
+
+type OfCase = Callable[[Any], str]  # of a `Case`, whose sections know the numbers, so not the other way round
+
+
+class Driven(Protocol):
+    """What the numbers here ask of it."""
+
+    @property
+    def domain(self) -> Domain:
+        """The section [domain], with what drives the fluid."""
+
+    @property
+    def level(self) -> ModelLevel:
+        """What its model has."""
+
+    def container(self) -> Container:
+        """What encloses the fluid."""
+
+    def wall_stress(self, t: float) -> Mapping[str, float]:
+        """The tangential traction at time t of the walls that it moves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +60,8 @@ class FlowNumber:
 
     value: Callable[[Measured], float | None]
     whose: str
-    lacking: Callable[[Case], str]
-    column: Callable[[Case], str]
+    lacking: OfCase
+    column: OfCase
     square: bool
 
 
@@ -49,8 +72,8 @@ def flow_number[F: Callable[[Measured], float | None]](
     name: str,
     whose: str = "",
     *,
-    lacking: Callable[[Case], str] = lambda _: "",
-    column: Callable[[Case], str] | None = None,
+    lacking: OfCase = lambda _: "",
+    column: OfCase | None = None,
     square: bool = False,
 ) -> Callable[[F], F]:
     """Enter a number under a name, whose column is the name with _ unless given.
@@ -73,7 +96,7 @@ def _dissipation(found: Measured) -> float:
     return found.dissipation
 
 
-def _without_period(case: Case) -> str:
+def _without_period(case: Driven) -> str:
     return "" if len(case.container().periods) else "is that of a periodic domain; drop it"
 
 
@@ -82,7 +105,7 @@ def _apparent_viscosity(found: Measured) -> float | None:
     return found.apparent_viscosity
 
 
-def _without_flux(case: Case) -> str:
+def _without_flux(case: Driven) -> str:
     given = case.domain.mean_drive().net_flux is not None
     return "" if given else "is found in a channel whose flux is given; give domain.net_flux"
 
@@ -92,7 +115,7 @@ def _pressure_gradient(found: Measured) -> float | None:
     return found.dp_dx
 
 
-def _without_gradient(case: Case) -> str:
+def _without_gradient(case: Driven) -> str:
     if "pressure_gradient" not in case.domain.drives:
         return "is that of a periodic channel; drop it"
     if case.domain.mean_drive().net_flux is not None:
@@ -105,7 +128,7 @@ def _flux(found: Measured) -> float | None:
     return found.flux
 
 
-def _without_stress(case: Case) -> str:
+def _without_stress(case: Driven) -> str:
     stressed = case.domain.mean_drive().mean_stress is not None
     return "" if stressed else "is found in a cell under a stress; give domain.stress"
 
@@ -115,7 +138,7 @@ def _shear_rate(found: Measured) -> float | None:
     return found.shear_rate
 
 
-def _without_stressed_wall(case: Case) -> str:
+def _without_stressed_wall(case: Driven) -> str:
     remedy = "give domain.walls.top = { stress = 1.0 }"
     return "" if case.wall_stress(0.0) else f"is found in a channel under a stress; {remedy}"
 
