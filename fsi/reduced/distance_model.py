@@ -176,7 +176,7 @@ class DistanceModel(ReducedModel):
 
         g turns with them beside bodies that are held in some directions only.
         """
-        change, (N, d) = np.zeros(len(x)), ambient.motion.held[:, : pairs.n.shape[1]].shape
+        change, N, d = np.zeros(len(x)), len(ambient.motion.held), pairs.n.shape[1]
         held = ambient.motion.held[:, :d].sum(axis=1)
         partly = (held > 0) & (held < d)
         here = np.flatnonzero(partly[pairs.i] | partly[np.where(pairs.is_wall, pairs.i, pairs.j)])

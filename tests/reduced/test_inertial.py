@@ -164,7 +164,7 @@ def test_a_body_held_in_one_direction_keeps_the_gap_that_its_motion_leaves() -> 
     """A disc that rises freely in y alone is pressed by 2 against another one that is driven past it.
 
     `y'' = 2 - kappa(D) D' n_y` with kappa = mu/D; g = n_y^2 turns with n. Without that the stored gap would
-    tend to twice this one, and the drift to 0.1.
+    be 2.5 times this one.
     """
     start, speed = np.array([1.2, -1.7233687939614086]), 1.0
 

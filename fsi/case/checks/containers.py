@@ -78,9 +78,10 @@ def _off(container: Container, curve: WallCurve, x: Array) -> Iterator[str]:
             f"its outline has wall {name!r} where its `distances` are up to {nearest:.3g} from it; give "
             "walls the same numbers in both"
         )
-    for rate in (away[:, k] / height)[[np.abs(away[:, k] / height - 1.0).argmax()]]:
-        if not abs(rate - 1.0) <= _RATE:
-            yield f"its `distances` grow at the rate {rate:.3g} away from wall {name!r}; give lengths, rate 1"
+    rates = away[:, k] / height
+    rate = rates[np.abs(rates - 1.0).argmax()]
+    if not abs(rate - 1.0) <= _RATE:
+        yield f"its `distances` grow at the rate {rate:.3g} away from wall {name!r}; give lengths, rate 1"
     if np.abs(container.normals(inside)[:, k] - left).max() > _UNIT:
         yield f"its `normals` are not those of wall {name!r}; give unit vectors into the fluid"
     for wall in np.flatnonzero(~(away > -height).all(axis=0))[:1]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 import fsi
 from fsi.case.load import parse_case
@@ -235,7 +236,7 @@ def test_long_names_leave_room_for_curves(letters: int, tmp_path: Path, drawn: l
     (figure,) = drawn
     figure.draw_without_rendering()
     axes, (legend,) = figure.axes[0], figure.legends
-    title = axes.title if axes.title.get_text() else axes._left_title  # type: ignore[attr-defined]
+    (title,) = axes.findobj(lambda artist: isinstance(artist, Text) and artist.get_text().count("name") > 1)
     assert axes.get_position().width > 0.4
     assert title.get_window_extent().x1 < legend.get_window_extent().x0
     assert legend.get_window_extent().x1 <= figure.bbox.x1
