@@ -1,10 +1,11 @@
 """The velocity of the fluid at a wall: a linear flow, `u = u_0 + G x`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.arrays import Array
 
@@ -57,3 +58,23 @@ class WallVelocity:
     def is_uniform_across(self, axis: int) -> bool:
         """Whether it is one velocity all over any plane wall across that axis."""
         return not np.delete(self.gradient, axis, axis=1).any()
+
+
+@dataclass(frozen=True, slots=True)
+class WallVelocities:
+    """Those of all walls in order; at rest where nothing is given, as where a wall is open."""
+
+    of_walls: tuple[WallVelocity, ...]
+
+    @classmethod
+    def given(cls, walls: Sequence[str], velocities: Mapping[str, WallVelocity], dimension: int) -> Self:
+        """Of walls with these names."""
+        rest = WallVelocity.uniform([0.0] * dimension)
+        return cls(tuple(velocities.get(name, rest) for name in walls))
+
+    def at(self, walls: NDArray[np.intp], x: Array) -> Array:
+        """u of walls (n,) at points on them (n, d), (n, d)."""
+        u = np.empty_like(x)
+        for wall in np.unique(walls):
+            u[walls == wall] = self.of_walls[wall].at(x[walls == wall])
+        return u

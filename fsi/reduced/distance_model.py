@@ -198,8 +198,7 @@ class DistanceModel(ReducedModel):
         prescribed = (motion.U - U)[:, :d] / h
         a = np.where(motion.held[:, :d], prescribed, M_inverse * load)
         g = own_mobility(G, M_inverse)
-        wall = np.where(pairs.is_wall, pairs.j - len(U), -1)
-        b_before = own_speed(pairs.n, pairs.shift, wall, before.enclosure)
+        b_before = own_speed(pairs, len(U), before.enclosure)
         f = G @ a.ravel() + g * force + turning(pairs, U[:, :d]) - (pairs.b - b_before) / h
         return f, g
 

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.case.background_flow import background, uniform
+from fsi.case.background_flow import background
 from fsi.case.case import Case
+from fsi.case.wall_velocity import WallVelocities
 from fsi.meshes.geometry.container import Container, lengths
 
 # The rotation of the flow u = E x is the antisymmetric part of E: d = 2 has the mode omega, d = 3 three of
@@ -24,14 +25,14 @@ class Enclosure:
     Attributes:
         container: its walls and periods.
         solid: which walls are, the others being open, (walls,).
-        wall_velocity: (walls, d), u_0 of walls on which it varies.
+        wall_velocities: of each wall.
         mean: u_0, (d,).
         gradient: E, rows of (du_i / dx_j), (d, d).
     """
 
     container: Container
     solid: NDArray[np.bool_]
-    wall_velocity: Array
+    wall_velocities: WallVelocities
     mean: Array
     gradient: Array
 
@@ -74,13 +75,9 @@ def make_enclosure(case: Case, t: float) -> Enclosure:
 def with_flow(case: Case, t: float, mean: Array, gradient: Array) -> Enclosure:
     """Walls and periods of a case at time t, with a flow `mean + gradient x` without bodies."""
     container, walls = case.container().at(t), case.wall_velocity(t)
-    velocity = np.zeros((len(container.walls), container.dimension))
-    for row, name in zip(velocity, container.walls, strict=True):
-        if name in walls:
-            given = uniform(container, name, walls[name])
-            row[:] = walls[name].velocity if given is None else given
+    velocities = WallVelocities.given(container.walls, walls, container.dimension)
     solid = np.array([name in walls for name in container.walls], dtype=bool)
-    return Enclosure(container, solid, velocity, mean, gradient)
+    return Enclosure(container, solid, velocities, mean, gradient)
 
 
 def drag(case: Case) -> Array:

@@ -1,6 +1,6 @@
 """Neighbours: pairs of bodies, bodies and walls, bodies and periodic images, with gaps and directions."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ class Pairs:
         j: a body or, from N on, wall j - N, (P,).
         is_wall: which, (P,).
         shift: what the image of body j is moved by, (P, d).
+        foot: the points of walls next to bodies, of the W pairs with one, (W, d).
         n: unit normals from j to i, so that `D' = n.(u_i - u_j) - b`, (P, d).
         gap: D(q), (P,).
         radius: the reduced radius a_r = a b/(a + b), (P,).
@@ -40,6 +41,7 @@ class Pairs:
     j: NDArray[np.intp]
     is_wall: NDArray[np.bool_]
     shift: Array
+    foot: Array
     n: Array
     gap: Array
     radius: Array
@@ -117,16 +119,24 @@ def of_keys(q: Configuration, enclosure: Enclosure, key: NDArray[np.int64]) -> P
         n[is_wall], gap[is_wall] = walls.normal[at], walls.gap[at]
         curvature[is_wall] = walls.curvature[at]
         radius[is_wall] = walls.radius[at]
-    b = own_speed(n, shift, np.where(is_wall, j - len(q), -1), enclosure)
-    return Pairs(i, j, is_wall, shift, n, gap, radius, overlap(radius, q.radii[i]), curvature, b, key)
+    foot = q.centres[i[is_wall]] - (gap + q.radii[i])[is_wall, None] * n[is_wall]
+    share, rest = overlap(radius, q.radii[i]), np.zeros(len(gap))
+    pairs = Pairs(i, j, is_wall, shift, foot, n, gap, radius, share, curvature, rest, key)
+    return replace(pairs, b=own_speed(pairs, len(q), enclosure))
 
 
-def own_speed(n: Array, shift: Array, wall: NDArray[np.intp], enclosure: Enclosure) -> Array:
-    """b, how fast sides j move along n as walls (P,), -1 for none, or with the lattice; shape (P,)."""
-    velocity = shift @ enclosure.gradient.T
-    velocity[wall >= 0] = enclosure.wall_velocity[wall[wall >= 0]]
-    b: Array = np.einsum("pk,pk->p", n, velocity)
+def own_speed(pairs: Pairs, bodies: int, enclosure: Enclosure) -> Array:
+    """b, how fast sides j move along n by themselves, (P,)."""
+    b: Array = np.einsum("pk,pk->p", pairs.n, own_velocity(pairs, bodies, enclosure))
     return b
+
+
+def own_velocity(pairs: Pairs, bodies: int, enclosure: Enclosure) -> Array:
+    """How sides j of so many bodies move by themselves: with the lattice, or as their walls, (P, d)."""
+    velocity = pairs.shift @ enclosure.gradient.T
+    walls = pairs.j[pairs.is_wall] - bodies
+    velocity[pairs.is_wall] = enclosure.wall_velocities.at(walls, pairs.foot)
+    return velocity
 
 
 def turning(pairs: Pairs, u: Array) -> Array:

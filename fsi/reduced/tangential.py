@@ -31,7 +31,7 @@ from fsi.lubrication.sliding import (
 from fsi.lubrication.sphere_beside_plane import coupling_resistance
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.gap_laws import GapLaws
-from fsi.reduced.pairs import Pairs
+from fsi.reduced.pairs import Pairs, own_velocity
 from fsi.reduced.possible_films import beside_walls
 
 # Of s: from where the laws of spheres are tabulated to where C is 1e-7 of its largest, and falls like s^-4.
@@ -120,10 +120,7 @@ def _rows(
     # A body and its own image share columns, whose entries are summed.
     entries = np.stack([of_i, of_j], axis=1).ravel()
     G = sp.coo_matrix((entries, (row, columns.ravel())), shape=(P, M * bodies)).tocsr()
-    velocity = pairs.shift @ enclosure.gradient.T
-    walls = np.flatnonzero(pairs.is_wall)
-    velocity[walls] = enclosure.wall_velocity[pairs.j[walls] - bodies]
-    own = np.einsum("pk,pk->p", of_i[:, :d], velocity)
+    own = np.einsum("pk,pk->p", of_i[:, :d], own_velocity(pairs, bodies, enclosure))
     return TangentialRows(
         G, own, factors.resistance, ~pairs.is_wall, np.arange(P), tangent, factors.across, factors.turn
     )

@@ -30,6 +30,7 @@ from fsi.bodies.configuration import Configuration
 from fsi.bodies.forces import separations
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
+from fsi.case.wall_velocity import WallVelocities
 from fsi.errors import InputError
 from fsi.lubrication.exact import plane_lubrication
 from fsi.postprocess.run.grids import nodes
@@ -88,9 +89,10 @@ def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -
     normal = container.normals(q.centres)[body, wall]
     d = np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]])
     of_pairs = np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1)
-    of_walls = np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1)
-    rates = np.concatenate([of_pairs, of_walls])
     to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
+    walls = WallVelocities.given(container.walls, case.wall_velocity(t), 2)
+    of_walls = np.sum(normal * (V[body] - walls.at(wall, q.centres[body] - to_wall)), axis=1)
+    rates = np.concatenate([of_pairs, of_walls])
     ends = np.concatenate([gaps.pairs, np.column_stack([body, len(q) + wall])])
     vectors = np.concatenate([between, to_wall])
     nothing = np.zeros(len(d))
@@ -136,13 +138,6 @@ def at_stored_gaps(run: Run, q: Configuration, links: ChainLinks, row: Mapping[s
             "run it again with output.fields = true"
         )
     return _lubricated(run.case, q, links, x)
-
-
-def _wall_velocities(case: Case, t: float) -> Array:
-    """Of each wall, (walls, 2); a shear flow on it is left out, as only what is normal counts."""
-    moving, rest = case.wall_velocity(t), np.zeros(2)
-    velocities = [moving[wall].velocity if wall in moving else rest for wall in case.container().walls]
-    return np.array(velocities).reshape(-1, 2)
 
 
 def in_necks(run: Run, step: int, links: ChainLinks, size: float) -> Array:

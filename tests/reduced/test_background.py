@@ -60,9 +60,11 @@ def test_in_space_a_wall_drives_a_flow_along_both_its_directions() -> None:
     assert velocities(case) == pytest.approx(np.array(expected), rel=1e-14)
 
 
-def test_the_shear_flow_given_at_all_walls_of_a_box_is_the_background() -> None:
+@pytest.mark.parametrize("x", [0.0, -6.9])
+def test_the_shear_flow_given_at_all_walls_of_a_box_is_the_background(x: float) -> None:
+    """Beside a wall through which it flows, too: there fluid moves as the disc does."""
     walls = {wall: {"shear": 0.5} for wall in ("left", "right", "bottom", "top")}
-    assert velocities(case_in(BOX | {"walls": walls}, [0.0, 3.0])) == pytest.approx(
+    assert velocities(case_in(BOX | {"walls": walls}, [x, 3.0])) == pytest.approx(
         np.array([[1.5, 0.0, -0.25]]), rel=1e-14
     )
 

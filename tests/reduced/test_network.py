@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Configuration
+from fsi.case.wall_velocity import WallVelocities, WallVelocity
 from fsi.meshes.geometry.box import Box
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.network import make_network
@@ -20,8 +21,14 @@ def cluster(d: int, number: int, reach: float = 0.5) -> tuple[Configuration, Pai
     x = 2.2 * grid + 0.1 * random.uniform(-1.0, 1.0, grid.shape) + 1.15
     box = Box((0.0,) * d, (2.2 * n + 0.1,) * d)
     q = Configuration.unturned(x, np.ones(len(x)))
-    space = Enclosure(box, np.ones(2 * d, bool), np.ones((2 * d, d)), np.zeros(d), np.zeros((d, d)))
-    return q, find_pairs(q, space, reach)
+    return q, find_pairs(q, without_flow(box, 1.0), reach)
+
+
+def without_flow(box: Box, speed: float = 0.0) -> Enclosure:
+    """Walls that all move so fast along each axis, and no flow."""
+    d = box.dimension
+    walls = WallVelocities((WallVelocity.uniform([speed] * d),) * (2 * d))
+    return Enclosure(box, np.ones(2 * d, bool), walls, np.zeros(d), np.zeros((d, d)))
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -59,9 +66,7 @@ def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatc
     N = 2000
     q = Configuration.unturned(np.column_stack([2.01 * np.arange(N), np.zeros(N)]), np.ones(N))
     box = Box((-1e6, -1e6), (1e6, 1e6))
-    pairs = find_pairs(
-        q, Enclosure(box, np.ones(4, bool), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))), 0.5
-    )
+    pairs = find_pairs(q, without_flow(box), 0.5)
     network = make_network(pairs, np.full(len(pairs), 1e14), np.ones((N, 2)))
     f = np.zeros((N, 2))
     f[0, 0] = 1.0
@@ -74,10 +79,7 @@ def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatc
 def test_momentum_and_rigidity_at_any_stiffness(kappa: float) -> None:
     """More gaps than freedoms, and resistances without bound: the limit is a rigid cluster, not nonsense."""
     q, pairs = cluster(2, 36)
-    space = Enclosure(
-        Box((-1e4, -1e4), (1e4, 1e4)), np.ones(4, bool), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))
-    )
-    pairs = find_pairs(q, space, 0.5)
+    pairs = find_pairs(q, without_flow(Box((-1e4, -1e4), (1e4, 1e4))), 0.5)
     f = np.random.default_rng(1).standard_normal(q.centres.shape)
     network = make_network(pairs, np.full(len(pairs), kappa), np.ones_like(f), stored=True)
     u, force = network.solve(f, np.ones_like(f))

@@ -10,6 +10,7 @@ import pytest
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
+from fsi.case.wall_velocity import WallVelocities
 from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import reduced
@@ -32,9 +33,9 @@ class Far(Round):
 
 
 def space(container: Container, d: int, gradient: Array | None = None) -> Enclosure:
-    walls = np.zeros((len(container.walls), d))
+    rest = WallVelocities.given(container.walls, {}, d)
     E = np.zeros((d, d)) if gradient is None else gradient
-    return Enclosure(container, np.ones(len(walls), bool), walls, np.zeros(d), E)
+    return Enclosure(container, np.ones(len(container.walls), bool), rest, np.zeros(d), E)
 
 
 def bodies(d: int, number: int, room: float, seed: int = 0) -> Configuration:
