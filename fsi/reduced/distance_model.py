@@ -119,7 +119,7 @@ class DistanceModel(ReducedModel):
         solved, q, then, stopped = self._without_overlap(state, ambient, pairs, kappa, h)
         checks |= identities(solved.network, state.q, solved.U, solved.alone, solved.force)
         checks |= solved.balances() | {"energy": solved.energy(self.masses, state.U, h)}
-        require(checks, t_end)
+        require(checks, t_end, remedy="shorten time.step")
         record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks, "stopped": stopped}
         w = memory.w if self.literal else memory.w + self._turned(memory.x, pairs, then, ambient)
         instant = self._meet(q, solved.U, replace(memory, w=w, force=solved.force), t_end, record)

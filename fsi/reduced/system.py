@@ -226,11 +226,13 @@ def relative(defect: float, *terms: float) -> float:
     return abs(defect) / (sum(map(abs, terms)) + _TINY)
 
 
-def require(checks: Mapping[str, float], t: float) -> None:
-    """Raise SolveError for the first defect above the bound."""
+def require(
+    checks: Mapping[str, float], t: float, remedy: str = "shorten reduced.cutoff or give the bodies more drag"
+) -> None:
+    """Raise SolveError, with the remedy, for the first defect above the bound."""
     for name, defect in checks.items():
         if not defect <= BOUND:
             raise SolveError(
                 f"reduced model at t = {t:.9g}: {name} is violated by {defect:.1e}, more than {BOUND:g}; "
-                "shorten reduced.cutoff or give the bodies more drag"
+                + remedy
             )
