@@ -161,12 +161,12 @@ def _named(bodies: DrivenBodies, error: NoPoresError) -> SolveError:
 def drive_of(bodies: DrivenBodies, inertia: Inertia | None = None) -> PoreDrive:
     """Everything that drives the bodies of a case."""
     case, container, t = bodies.case, bodies.case.container(), bodies.t
-    sliding = np.zeros((len(container.walls), 3))
+    walls = np.zeros((len(container.walls), 3))
     for name, wall in case.wall_velocity(t).items():
-        sliding[container.walls.index(name), :2] = wall.velocity
+        walls[container.walls.index(name), :2] = wall.velocity
     drive, gradient = case.domain.mean_drive(), container.mean_gradient
     loading = PoreLoading(
-        bodies.motion, sliding, gradient, drive.pressure_gradient, drive.net_flux, inertia
+        bodies.motion, walls, gradient, drive.pressure_gradient, drive.net_flux, inertia
     )  # fmt: skip
     for name, stress in case.wall_stress(t).items():
         return StressedLoading(loading, stress, container.walls.index(name), container.volume)

@@ -130,16 +130,16 @@ class ReducedModel:
             raise SolveError(f"reduced model at t = {t:.9g}: bodies overlap (gap {pairs.gap.min():.3g})")
         x = np.log(pairs.gap)
         kappa = self.laws.kappa(x, pairs.films)
-        slip = self._slip(pairs, ambient, q)
+        tangential = self._tangential(pairs, ambient, q)
         paired = process_time()
-        solved = solve_system(ambient, pairs, kappa, inertia, slip)
+        solved = solve_system(ambient, pairs, kappa, inertia, tangential)
         checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()
         viscosity = self.case.fluid.viscosity
         stress = lubrication_stress(
-            ambient.enclosure, stresslets(pairs, solved.force, q.radii, slip), viscosity
+            ambient.enclosure, stresslets(pairs, solved.force, q.radii, tangential), viscosity
         )
         columns, bulk, lost = {} if stress is None else dict(stress.record), None, solved.dissipation
-        if stress is not None and slip is not None:
+        if stress is not None and tangential is not None:
             forces = self.case.interaction_moment(q, t)
             bulk = bulk_stress(ambient.enclosure, stress, q.radii, viscosity, forces)
             columns |= bulk.record
@@ -157,9 +157,9 @@ class ReducedModel:
         ambient = self.surroundings(q, t)
         pairs = find_pairs(q, ambient.enclosure, self.reach)
         kappa = self.laws.kappa(np.log(pairs.gap), pairs.films)
-        return resistance_matrix(pairs, kappa, self.zeta.shape, self._slip(pairs, ambient, q))
+        return resistance_matrix(pairs, kappa, self.zeta.shape, self._tangential(pairs, ambient, q))
 
-    def _slip(self, pairs: Pairs, ambient: Surroundings, q: Configuration) -> TangentialRows | None:
+    def _tangential(self, pairs: Pairs, ambient: Surroundings, q: Configuration) -> TangentialRows | None:
         """How the pairs resist sliding and rolling, if they do."""
         if not self.tangential:
             return None

@@ -104,17 +104,21 @@ class GapNetwork:
 
 
 def make_network(
-    pairs: Pairs, kappa: Array, Z_inverse: Array, slip: TangentialRows | None = None, stored: bool = False
+    pairs: Pairs,
+    kappa: Array,
+    Z_inverse: Array,
+    tangential: TangentialRows | None = None,
+    stored: bool = False,
 ) -> GapNetwork:
     """The network of pairs with resistances kappa (P,), 0 and infinite ones within reach of numbers.
 
-    Z_inverse: of the m modes that the rows have: of velocities, with `slip` of all.
+    Z_inverse: of the m modes that the rows have: of velocities, with `tangential` of all.
     """
     G, own, between = gradient(pairs, len(Z_inverse)), pairs.b, np.empty(0, dtype=bool)
-    if slip is not None:
-        G = sp.vstack([_among_modes(G, Z_inverse.shape, pairs.n.shape[1]), slip.G], "csr")
-        own, kappa = np.append(own, slip.own), np.append(kappa, slip.resistance)
-        between = slip.between
+    if tangential is not None:
+        G = sp.vstack([_among_modes(G, Z_inverse.shape, pairs.n.shape[1]), tangential.G], "csr")
+        own, kappa = np.append(own, tangential.own), np.append(kappa, tangential.resistance)
+        between = tangential.between
     mobility = own_mobility(G, Z_inverse)
     # Stored gaps may be stopped, or so narrow that nothing tells them from rigid ones.
     least = SEEN * np.where(mobility > 0.0, mobility, 1.0) if stored else 0.0
@@ -124,12 +128,12 @@ def make_network(
 
 
 def resistance_matrix(
-    pairs: Pairs, kappa: Array, shape: tuple[int, int], slip: TangentialRows | None
+    pairs: Pairs, kappa: Array, shape: tuple[int, int], tangential: TangentialRows | None
 ) -> sp.csr_matrix:
     """A over all M modes of N bodies, shape = (N, M): sum over the rows of kappa G (x) G, (N M, N M)."""
     G = _among_modes(gradient(pairs, shape[0]), shape, pairs.n.shape[1])
-    if slip is not None:
-        G, kappa = sp.vstack([G, slip.G], "csr"), np.append(kappa, slip.resistance)
+    if tangential is not None:
+        G, kappa = sp.vstack([G, tangential.G], "csr"), np.append(kappa, tangential.resistance)
     return sp.csr_matrix(G.T @ sp.diags_array(kappa) @ G)
 
 

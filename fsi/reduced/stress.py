@@ -107,17 +107,17 @@ def _rigid_volumes(radii: Array, dimension: int) -> Array:
     return 2.0 * np.pi * radii**2 if dimension == 2 else 10.0 / 3.0 * np.pi * radii**3
 
 
-def _of_slip(pairs: Pairs, slip: TangentialRows, force: Array, radii: Array) -> Array:
+def _of_tangential(pairs: Pairs, tangential: TangentialRows, force: Array, radii: Array) -> Array:
     """S_i of what slides and rolls, (N, d, d)."""
-    p, between = slip.pair, slip.between
+    p, between = tangential.pair, tangential.between
     arm, arm_other = (arms[p] for arms in _arms(pairs, radii))
     # The rate S : W of shear along a wall has half of its rotation too.
-    moment = force * (slip.across * arm + np.where(between, 0.0, 0.5 * slip.turn))
-    symmetric = 0.5 * np.einsum("rk,rl->rkl", slip.tangent, pairs.n[p])
+    moment = force * (tangential.across * arm + np.where(between, 0.0, 0.5 * tangential.turn))
+    symmetric = 0.5 * np.einsum("rk,rl->rkl", tangential.tangent, pairs.n[p])
     symmetric = symmetric + np.swapaxes(symmetric, 1, 2)
     S = np.zeros((len(radii), *symmetric.shape[1:]))
     np.add.at(S, pairs.i[p], (np.where(between, 1.0, 2.0) * moment)[:, None, None] * symmetric)
-    other = (force * slip.across * arm_other)[between, None, None] * symmetric[between]
+    other = (force * tangential.across * arm_other)[between, None, None] * symmetric[between]
     np.add.at(S, pairs.j[p][between], other)
     return S
 
@@ -130,11 +130,11 @@ def _arms(pairs: Pairs, radii: Array) -> tuple[Array, Array]:
     return radii[pairs.i] + middle, other
 
 
-def stresslets(pairs: Pairs, force: Array, radii: Array, slip: TangentialRows | None = None) -> Array:
+def stresslets(pairs: Pairs, force: Array, radii: Array, tangential: TangentialRows | None = None) -> Array:
     """S_i, (N, d, d), of forces (R,): of gaps, positive where they open, then of what slides and rolls."""
     P = len(pairs)
     of_gaps = _of_gaps(pairs, force[:P], radii)
-    return of_gaps if slip is None else of_gaps + _of_slip(pairs, slip, force[P:], radii)
+    return of_gaps if tangential is None else of_gaps + _of_tangential(pairs, tangential, force[P:], radii)
 
 
 def _of_gaps(pairs: Pairs, force: Array, radii: Array) -> Array:

@@ -119,7 +119,7 @@ def solve_system(
     pairs: Pairs,
     kappa: Array,
     inertia: Inertia | None,
-    slip: TangentialRows | None = None,
+    tangential: TangentialRows | None = None,
     stored: bool = False,
 ) -> SolvedSystem:
     """Solve for the velocities, with resistances kappa (P,) of the gaps, and those of sliding and rolling.
@@ -136,8 +136,8 @@ def solve_system(
     applied = motion.F + ambient.zeta * ambient.background + D * U0
     Z_inverse = np.where(motion.held, 0.0, 1.0 / np.where(Z > 0.0, Z, 1.0))
     alone = np.where(motion.held, motion.U, Z_inverse * applied)
-    m = d if slip is None else Z.shape[1]  # rotations do not enter the rates of gaps
-    network = make_network(pairs, kappa, Z_inverse[:, :m], slip, stored)
+    m = d if tangential is None else Z.shape[1]  # rotations do not enter the rates of gaps
+    network = make_network(pairs, kappa, Z_inverse[:, :m], tangential, stored)
     u, force = network.solve(alone[:, :m], Z_inverse[:, :m])
     U = np.column_stack([u, alone[:, m:]])
     F = ambient.zeta * (U - ambient.background)
