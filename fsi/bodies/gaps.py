@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.arrays import Array, Indices
+from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
+from fsi.bodies.neighbours import neighbours
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
 _WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a reach
 # Of the smallest radius: what rounding makes of a gap in contact, and how deep a contact may be solved.
 ROUNDING, OVERLAP = 1e-12, 1e-10
-# A tree that is asked once is made in half the time like this, and answers as fast.
-_QUICK = {"balanced_tree": False, "compact_nodes": False}
-_FEW = 64  # points whose pairs are all looked at, in less time than a tree's library takes to load
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,62 +227,6 @@ def without_rounding(gaps: Array, radius: float) -> Array:
     """
     in_contact = (gaps <= ROUNDING * radius) & (gaps >= -OVERLAP * radius)
     return np.where(in_contact, 0.0, gaps)
-
-
-def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[np.intp], Indices]:
-    """All pairs of points x (N, d) and images in a container that are no farther apart than a cutoff.
-
-    Points are wrapped into one cell; those of the cells around it that are near to it are their images. So
-    it takes O(N) operations, whatever the periods are.
-
-    Returns:
-        the pairs (i, j) in any order, i < j, or i = j for a point and its own image, (P, 2), and the integers
-        by which the image of j that is meant is moved, (P, k).
-    """
-    lattice = Lattice(container.periods)
-    m = -np.floor(lattice.coordinates(x)).astype(np.int64)
-    home = x + lattice.shift(m)
-    few = len(x) <= _FEW
-    pairs = _pairs_of_few(home, cutoff) if few else _pairs_by_tree(home, cutoff)
-    if lattice.dimension == 0:
-        return pairs, np.empty((len(pairs), 0), np.int64)
-    original, cell = lattice.images(home, cutoff)
-    images = home[original] + lattice.shift(cell)
-    i, j = (_between_few if few else _between_by_trees)(home, images, cutoff)
-    inside = len(pairs)
-    pairs = np.concatenate([pairs, np.column_stack([i, original[j]])])
-    shift = m.take(pairs[:, 1], axis=0) - m.take(pairs[:, 0], axis=0)
-    shift[inside:] += cell[j]
-    backwards = pairs[:, 0] > pairs[:, 1]
-    pairs[backwards] = pairs[backwards, ::-1]
-    shift[backwards] *= -1
-    return pairs, shift
-
-
-def _pairs_of_few(x: Array, cutoff: float) -> NDArray[np.intp]:
-    i, j = _between_few(x, x, cutoff)
-    return np.column_stack([i[i < j], j[i < j]])
-
-
-def _between_few(x: Array, y: Array, cutoff: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    apart = x[:, None] - y
-    i, j = np.nonzero(np.sqrt(np.einsum("ijk,ijk->ij", apart, apart)) <= cutoff)
-    return i, j
-
-
-def _pairs_by_tree(x: Array, cutoff: float) -> NDArray[np.intp]:
-    import scipy  # late: `fsi check` does without
-
-    pairs = scipy.spatial.cKDTree(x, **_QUICK).query_pairs(cutoff, output_type="ndarray")
-    return np.asarray(pairs, np.intp).reshape(-1, 2)
-
-
-def _between_by_trees(x: Array, y: Array, cutoff: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    import scipy  # late: `fsi check` does without
-
-    trees = (scipy.spatial.cKDTree(points, **_QUICK) for points in (x, y))
-    found = next(trees).sparse_distance_matrix(next(trees), cutoff, output_type="ndarray")
-    return found["i"], found["j"]
 
 
 def row_numbers(*tables: NDArray[np.int64]) -> list[NDArray[np.int64]]:

@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.arrays import Array
-from fsi.bodies.gaps import neighbours
+from fsi.bodies.neighbours import neighbours
 from fsi.lubrication.sliding import arms, tangents
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice

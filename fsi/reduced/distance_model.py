@@ -44,7 +44,7 @@ class PairMemory:
     """What is stored of P pairs.
 
     Attributes:
-        key: see `Pairs`, (P, 2 + k).
+        key: see `Pairs`, in order, (P, 2 + k).
         x: ln D, (P,).
         w: the first integral `D' + g K(D)`, with "backward-euler" D' itself, (P,).
         force: lambda at the end of the last step, (P,).
@@ -56,10 +56,11 @@ class PairMemory:
     force: Array
 
     def positions(self, keys: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Where the rows that both have stand in `keys` and in the memory; rows are distinct."""
+        """Where the rows that both have stand in `keys` and in the memory, both in order and each once."""
         rows, stored = row_numbers(keys, self.key)
-        _, here, there = np.intersect1d(rows, stored, assume_unique=True, return_indices=True)
-        return here, there
+        there = np.searchsorted(stored, rows)
+        here = np.flatnonzero(np.append(stored, -1)[there] == rows)
+        return here, there[here]
 
 
 def merged(

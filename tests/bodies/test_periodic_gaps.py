@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.bodies import gaps as searches
+from fsi.bodies import neighbours as searches
 from fsi.bodies.configuration import Configuration
-from fsi.bodies.gaps import find_gaps, neighbours, pair_gaps
+from fsi.bodies.gaps import find_gaps, pair_gaps
+from fsi.bodies.neighbours import neighbours
 from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
