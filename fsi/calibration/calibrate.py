@@ -76,6 +76,8 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
             data |= {"exponent": fit.exponent, "exponent_interval": fit.exponent_interval}
     if result.leading is not None:
         data["leading"] = asdict(result.leading)
+    if result.widest_band is not None:
+        data["widest_band"] = dict(zip(("gap", "relative"), result.widest_band, strict=True))
     if test is not None:
         data["held_out_error"] = test.error
         if test.passed is not None:

@@ -58,8 +58,17 @@ def _named(case: Case, plan: Calibration) -> Pair:
         return _two_bodies(case, first, case.names.index(other))
     if other in case.container().walls:
         return _beside_wall(case, first, other)
-    others = [*(name for name in case.names if name != one), *case.container().walls]
-    raise _refusal(plan, f"{other!r} is no other body and no wall; use one of {toml_text(others)}")
+    raise _refusal(plan, f"{other!r} is no other body and no wall; {_remedy(case, one)}")
+
+
+def _remedy(case: Case, one: str) -> str:
+    """What to give as the other side: another body, or beside a lone one a wall that may be."""
+    walls = case.container().walls if len(case.bodies) == 1 else ()
+    others = [name for name in case.names if name != one]
+    others += [wall for k, wall in enumerate(walls) if _is_plane(case, k)]
+    return (
+        f"use one of {toml_text(others)}" if others else "give a second body, or a domain with a plane wall"
+    )
 
 
 def _two_bodies(case: Case, first: int, second: int) -> Pair:
@@ -96,14 +105,22 @@ def _beside_wall(case: Case, first: int, wall: str) -> Pair:
     """A body and a wall, whose normal points into the fluid. Raises InputError: the wall is not plane."""
     container, q = case.container(), case.configuration()
     k = container.walls.index(wall)
-    if q.outlines and container.spheres[k] is None:
+    if not _is_plane(case, k):
+        what = f"this wall is not plane; {_remedy(case, case.names[first])}"
+        raise refusal("calibration.pair.1", wall, what)
+    if q.outlines:
         foot = wall_feet(q.placed[first], container)[k]
         return _at_closest_points(Pair(case, first, None, foot.normal, foot.gap), foot)
-    around = case.axisymmetric and container.corner_axes[k] == 0  # a cylinder about the axis
-    if around or not container.plane[k]:
-        raise refusal("calibration.pair.1", wall, "this wall is not plane; give one that is")
     distance, normal = container.to_wall(k, q.centres[first][None])
     return Pair(case, first, None, normal[0], float(distance[0] - q.radii[first]))
+
+
+def _is_plane(case: Case, k: int) -> bool:
+    """Whether a wall is plane, or beside shapes any that is no circle."""
+    container = case.container()
+    if case.axisymmetric and container.corner_axes[k] == 0:  # a cylinder about the axis
+        return False
+    return container.plane[k] or (bool(case.configuration().outlines) and container.spheres[k] is None)
 
 
 def _check_alone(pair: Pair) -> None:

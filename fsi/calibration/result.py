@@ -17,6 +17,9 @@ from fsi.lubrication.free_exponent import PLANAR, REVOLVED, fit_exponent
 from fsi.lubrication.profiles import Term
 from fsi.run_folder.provenance import launch
 
+# Over a range, at which the error of a law is looked for.
+_GAPS = 1000
+
 
 @dataclass(frozen=True, slots=True)
 class Coefficient:
@@ -98,7 +101,7 @@ class CalibrationResult:
         samples: of it, also those held out.
         law: as its file has it.
         fit, coefficients: of a series; None or empty for a table.
-        test: what samples that were held out say; None where there are none in the range of the law.
+        test: what those say that were held out in the range of the law; None where there are none.
     """
 
     pair: Pair
@@ -117,6 +120,21 @@ class CalibrationResult:
         a, c = self.pair.reduced_radius, float(self.fit.coefficients[0])
         of_c = float(self.fit.intervals[0]) + abs(c * np.log(a)) * width
         return LeadingTerm(c * a**m, of_c * a**m, m, width)
+
+    @property
+    def widest_band(self) -> tuple[float, float] | None:
+        """The gap in the range of a series at which half of its 95 % interval is the largest part of it.
+
+        And that part; None of a table, which states no error.
+        """
+        kappa, a = self.law.law(), self.pair.reduced_radius
+        d = a * np.geomspace(*kappa.range, _GAPS)
+        band = self.law.error(d, a)
+        if band is None:
+            return None
+        part = band / kappa.kappa(d, a)
+        k = int(np.argmax(part))
+        return float(d[k]), float(part[k])
 
 
 def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:

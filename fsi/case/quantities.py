@@ -159,10 +159,13 @@ def names_of_numbers() -> str:
     return ", ".join(f'"{name}"{of}' for name, of in whose.items())
 
 
-def names_of_quantities() -> str:
-    """The same of all quantities."""
-    of_bodies = '"BODY.force.x" (by the fluid; velocity, position; y), "BODY.torque", "BODY.angular_velocity"'
-    return f'{names_of_numbers()}, {of_bodies}, of a run "{_TIME_AT_GAP}0.1"'
+def names_of_quantities(*, of_run: bool = True) -> str:
+    """The same of all quantities, or without those that only a run has."""
+    position, time = (", position", f', of a run "{_TIME_AT_GAP}0.1"') if of_run else ("", "")
+    of_bodies = (
+        f'"BODY.force.x" (by the fluid; velocity{position}; y), "BODY.torque", "BODY.angular_velocity"'
+    )
+    return f"{names_of_numbers()}, {of_bodies}{time}"
 
 
 def is_quantity(text: str) -> bool:

@@ -177,7 +177,9 @@ class Expected(Section):
 
     quantity: a number of the flow, like the `dissipation`, or of a body `disc.velocity.x`, `disc.force.y` (by
     the fluid on the body), `disc.angular_velocity`, `disc.torque`, at the end of a run `disc.position.y`; for
-    a run also `time at gap 0.1`, the first time at which the smallest gap is 0.1.
+    a run also `time at gap 0.1`, the first time at which the smallest gap is 0.1. A value may be 0 of a
+    load or velocity: its tolerance is then relative to the largest load, or velocity, of bodies or of what
+    drives them; torques count over the radius, rotations times it.
     """
 
     quantity: str
@@ -185,7 +187,7 @@ class Expected(Section):
     """the expected number, or give `exact`"""
     exact: str | None = None
     rtol: Positive
-    """the relative tolerance, a number > 0"""
+    """the relative tolerance, a number > 0; of a value 0 relative to the largest load, or velocity"""
     source: Text
     """where the number comes from"""
 

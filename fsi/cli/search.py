@@ -29,7 +29,8 @@ EXAMPLE = (
 def search(
     case_file: CaseFile,
     quantity: Annotated[
-        str, option(f"What shall have the target, as in [[expected]] rows: {names_of_quantities()}.")
+        str,
+        option(f"What shall have the target, as in [[expected]] rows: {names_of_quantities(of_run=False)}."),
     ],
     target: Annotated[str, option("The value that it shall have, to the digits that are given.")],
     vary: Annotated[

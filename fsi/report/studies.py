@@ -164,8 +164,19 @@ def lines(result: CalibrationResult) -> list[str]:
         elif not np.isnan(fit.exponent):
             width = fit.exponent_interval
             said.append(f"leading exponent, if free: {fit.exponent:.6f} ± {width:.1e}, 95 % interval")
+    if (widest := result.widest_band) is not None:
+        gap, part = widest
+        said.append(
+            f"law known to ± {part:.1e} of itself over its range, 95 % interval, worst at the gap {gap:.2g}"
+        )
     if test is not None:
-        said.append(f"{len(test.law)} samples held out: law off by at most {test.error:.1e}, {_stated(test)}")
+        count, inside = sum(sample.held_out for sample in result.samples), len(test.law)
+        held = (
+            f"{count} samples held out"
+            if inside == count
+            else f"{inside} of {count} held out are in its range"
+        )
+        said.append(f"{held}: law off by at most {test.error:.1e}, {_stated(test)}")
     if instead := sum(sample.mesh_instead for sample in result.samples):
         said.append(
             f"the sizes of the case gave {instead} samples no valid mesh; see mesh_instead in samples.csv"
@@ -178,7 +189,9 @@ def _stated(test: HeldOut) -> str:
     if test.band is None:
         return "which is all that is known of the error of a table"
     stated = np.max((test.band + test.samples.bars) / test.samples.kappa)
-    return f"{'within' if test.passed else 'NOT within'} the stated errors (at most {stated:.1e})"
+    return (
+        f"{'within' if test.passed else 'NOT within'} the errors stated at these gaps (at most {stated:.1e})"
+    )
 
 
 WIDTH = 100  # below it the numbers would be folded
@@ -228,7 +241,8 @@ def _sphere_table(records: Sequence[Record]) -> Table:
 
 def _rows_table(rows: Sequence[Row]) -> Table:
     numbers = ("gap/a", "resolved", "± est.", "reference", "true", "rtol")
-    title = "validation; errors are relative to the reference"
+    zeros = ", of zeros to the largest load or velocity" if any(row.reference == 0.0 for row in rows) else ""
+    title = f"validation; errors are relative to the reference{zeros}"
     shown = table(("case, quantity",), numbers, title=title, box=SIMPLE_HEAD, padding=(0, 1))
     shown.add_column("")
     previous = ""

@@ -91,7 +91,7 @@ def require_quantity(case: Case, quantity: str, *, moving: bool = False) -> None
     here = f"--quantity {quantity}"
     of_run = ".position." in quantity or is_time(quantity)
     if not is_quantity(quantity):
-        raise InputError(f"{here}: no such number; give {names_of_quantities()}")
+        raise InputError(f"{here}: no such number; give {names_of_quantities(of_run=moving)}")
     if of_run and not moving:
         raise InputError(f"{here}: is of a run, not of an instant; give a velocity or a force, or {_OF_RUN}")
     check_quantity(case, quantity, here)

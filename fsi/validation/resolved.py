@@ -10,13 +10,15 @@ import fsi.parallel as parallel
 from fsi.arrays import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
-from fsi.case.quantities import gap_of
+from fsi.case.quantities import NUMBERS, gap_of
 from fsi.case.sections import Expected
 from fsi.errors import InputError, SolveError, ValidationError
 from fsi.files import require_new
+from fsi.integration.state import Results
 from fsi.lubrication.exact_results import EXACT
 from fsi.models import make_scheme
-from fsi.observables.quantities import computed, time_at
+from fsi.observables.quantities import component, computed, time_at
+from fsi.observables.scales import flow_scales
 from fsi.observables.truncation import halved
 from fsi.run_folder.kept import STEPS
 from fsi.runs import run
@@ -115,22 +117,24 @@ class Computed(NamedTuple):
         error: of the elements, and of the time steps of a run.
         truncation: what the finite container changes.
         failure: why there is no value, or empty.
+        scale: the largest of its kind, as `largest_of_kind`; nan of what is neither a load nor a velocity.
     """
 
     value: float
     error: float
     truncation: float
     failure: str = ""
+    scale: float = np.nan
 
 
 def _row(name: str, sweep: float | None, case: Case, row: Expected, result: Computed) -> Row:
     expected, digits = reference(case, row)
-    size = abs(expected) or 1.0
+    size = abs(expected) or result.scale
     q = case.configuration()
     gap = nearest_gaps(q, case.container()).smallest() / float(q.radii.min()) if len(q) else np.inf
     return Row(
         name, sweep, gap, row.quantity, result.value, result.error / size, result.truncation / size, expected,
-        digits, row.rtol, row.exact or "", row.source, result.failure,
+        digits, row.rtol, row.exact or "", row.source, result.failure, result.scale,
     )  # fmt: skip
 
 
@@ -143,8 +147,27 @@ def _instant(case: Case) -> list[Computed]:
     rows = []
     for row in case.expected:
         value, error, other = (computed(case, of, row.quantity) for of in (solution, errors, smaller))
-        rows.append(Computed(value, abs(error), abs(other - value)))
+        scale = largest_of_kind(case, solution, row.quantity)
+        rows.append(Computed(value, abs(error), abs(other - value), scale=scale))
     return rows
+
+
+def largest_of_kind(case: Case, results: Results, quantity: str) -> float:
+    """The largest velocity or load at time 0, in the unit of a quantity: errors of zeros are over it.
+
+    It is that of all modes of all bodies and of what drives them (`FlowScales`), as in the bars of small
+    numbers; torques count over the radius of the body, rotations times it. Infinite where rounding of a
+    pressure all around is all that there is. nan of numbers of the flow.
+    """
+    if quantity in NUMBERS:
+        return np.nan
+    body, mode = component(case, quantity)
+    arms, scales = case.configuration().arms, flow_scales(case, 0.0)
+    arm, of_load = float(arms[body, mode]), quantity.split(".")[1] in ("force", "torque")
+    largest, rounding = scales.largest(results, arms)[of_load], scales.rounding[of_load]
+    if largest <= rounding:
+        return np.inf
+    return largest * arm if of_load else largest / arm
 
 
 def _history(case: Case, folder: Path) -> list[Computed]:

@@ -12,7 +12,7 @@ import numpy as np
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_expected
 from fsi.case.load import load_case, override, parse_case
-from fsi.case.quantities import gap_of, is_time
+from fsi.case.quantities import NUMBERS, gap_of, is_time
 from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import Expected
 from fsi.errors import InputError
@@ -26,12 +26,33 @@ EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`
 
 
 def reference(case: Case, row: Expected) -> tuple[float, float]:
-    """The reference of a row, and its relative error: half a unit of the last digit given."""
+    """The reference of a row, and its relative error: half a unit of the last digit given, of 0 none.
+
+    Raises InputError: it is no number, or 0 of what is neither a load nor a velocity.
+    """
     if row.exact is not None:
-        return exact_value(case, row.exact, row.quantity), EXACT_DIGITS
-    assert row.value is not None  # by the schema
-    exponent = Decimal(repr(row.value)).as_tuple().exponent
-    return row.value, 0.5 * 10.0 ** int(exponent) / (abs(row.value) or 1.0)
+        value, digits = exact_value(case, row.exact, row.quantity), EXACT_DIGITS
+    else:
+        assert row.value is not None  # by the schema
+        value, digits = row.value, _digits_of(row.value)
+    if value == 0.0 and not _is_of_body(row.quantity):
+        here = "value = 0.0" if row.exact is None else f'exact = "{row.exact}": is 0 here'
+        raise InputError(
+            f"{here}: the tolerance of {toml_text(row.quantity)} is relative to it; give a case where it is "
+            "not 0, or a load or velocity"
+        )
+    return value, digits
+
+
+def _digits_of(value: float) -> float:
+    """Half a unit of the last digit over the value; symmetry gives 0 to all digits."""
+    exponent = Decimal(repr(value)).as_tuple().exponent
+    return 0.5 * 10.0 ** int(exponent) / abs(value) if value else EXACT_DIGITS
+
+
+def _is_of_body(quantity: str) -> bool:
+    """Whether it is a load or a velocity, of which a case has a largest one."""
+    return quantity not in NUMBERS and not is_time(quantity)
 
 
 def exact_value(case: Case, name: str, quantity: str) -> float:
@@ -76,7 +97,7 @@ type Record = dict[str, float | str | bool | None]
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One computed number and its reference. Errors are relative to the reference.
+    """One computed number and its reference. Errors are relative to the reference, where it is 0 to `scale`.
 
     Attributes:
         case: file name without suffix.
@@ -92,6 +113,7 @@ class Row:
         exact: the name of an exact result, or empty.
         source: of the reference.
         failure: why there is no value, or empty.
+        scale: the largest load or velocity, in the unit of the value (`largest_of_kind`); nan of others.
     """
 
     case: str
@@ -107,6 +129,7 @@ class Row:
     exact: str
     source: str
     failure: str = ""
+    scale: float = np.nan
 
     @property
     def error_bar(self) -> float:
@@ -116,7 +139,7 @@ class Row:
     @property
     def true_error(self) -> float:
         """What it really is."""
-        return abs(self.value - self.reference) / (abs(self.reference) or 1.0)
+        return abs(self.value - self.reference) / (abs(self.reference) or self.scale)
 
     @property
     def passed(self) -> bool:
@@ -209,21 +232,25 @@ def _require_comparable(path: Path, case: Case) -> None:
             raise InputError(f"{here}: a position is given at time 0; expect a velocity or a force")
 
 
+def of_spheres(rows: Sequence[Row]) -> list[Row]:
+    """Those of a sphere that moves normal to a plane, with a force to compare."""
+    return [row for row in rows if row.exact == SPHERE and not row.failure and row.reference != 0.0]
+
+
 def sphere_records(rows: Sequence[Row]) -> list[Record]:
     """Resolved force of a sphere moving normal to a plane over 1, 2, 3 terms of its expansion at small gaps.
 
     The ratio to the exact force turns the expansions, of a unit sphere, into those of the row.
     """
     records: list[Record] = []
-    for row in rows:
-        if row.exact == SPHERE and not row.failure:
-            s = np.array(row.gap)
-            scale = row.value / row.reference * normal_resistance(s, 1.0, 1.0)
-            record: Record = {"case": row.case, "gap/radius": row.gap, "resolved": row.value}
-            for terms, name in TERMS.items():
-                law = expansion("spheres", "squeeze", np.inf, terms)
-                record[f"resolved/{name}"] = float(scale / law.value(s))
-            records.append(record)
+    for row in of_spheres(rows):
+        s = np.array(row.gap)
+        scale = row.value / row.reference * normal_resistance(s, 1.0, 1.0)
+        record: Record = {"case": row.case, "gap/radius": row.gap, "resolved": row.value}
+        for terms, name in TERMS.items():
+            law = expansion("spheres", "squeeze", np.inf, terms)
+            record[f"resolved/{name}"] = float(scale / law.value(s))
+        records.append(record)
     return records
 
 

@@ -20,7 +20,7 @@ from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
 from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, label_short, plain, saved_figure
-from fsi.validation.rows import SPHERE, TERMS, Row
+from fsi.validation.rows import TERMS, Row, of_spheres
 
 _NAMED = 10  # most bodies that get a colour and a name
 _CASE, _SPACE = 0.2, 0.2  # inches for the name of a case, and the part of it between the rows of two
@@ -134,7 +134,7 @@ def plot_rows(rows: Sequence[Row], path: Path) -> None:
     heights = (3.5, max(2.5, _CASE * len({row.case for row in solved})))
     with saved_figure(path, (9.0, sum(heights) + 0.5)) as figure:
         upper, lower = figure.subplots(2, 1, height_ratios=heights)
-        _draw_sphere(upper, [row for row in solved if row.exact == SPHERE])
+        _draw_sphere(upper, of_spheres(solved))
         _draw_errors(lower, solved)
 
 

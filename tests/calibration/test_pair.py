@@ -170,6 +170,7 @@ ROUND = {
     "domain": {"shape": "half-plane", "radius": 9.0},
     "bodies": [{"name": "disc", "radius": 0.5, "position": [0.0, 2.0]}],
 }
+FAR = {"domain": {"shape": "round", "radius": 99.0}}
 
 
 def planned(**plan: Any) -> dict[str, Any]:
@@ -201,7 +202,11 @@ def planned(**plan: Any) -> dict[str, Any]:
         (planned(mode="sheer"), 'calibration.mode = "sheer": not one of the choices'),
         (two(mode="rotation"), 'calibration.mode = "rotation": bodies of two radii slide'),
         (two(pair=["small", "left"]), "the case has 2 bodies; drop those"),
-        (planned(pair=["disc", "far"]) | ROUND, "this wall is not plane"),
+        (planned(pair=["disc", "far"]) | ROUND, r'"far": this wall is not plane; use one of \["plane"\]$'),
+        (planned(pair=["disc", "top"]) | ROUND, r"no other body and no wall; use one of \[\"plane\"\]$"),
+        (two(pair=["small", "round"]), r"no other body and no wall; use one of \[\"large\"\]$"),
+        (two(pair=["small", "far"]) | FAR, r"this wall is not plane; use one of \[\"large\"\]$"),
+        (planned(pair=["disc", "far"]) | FAR, "give a second body, or a domain with a plane wall$"),
         (two() | {"domain": DRIVEN}, "domain.pressure_gradient = 2.0: .* needs fluid at rest"),
         (two() | {"domain": FLOWING}, "domain.net_flux = 2.0: .* needs fluid at rest"),
         (two() | {"domain": FLOWING | {"net_flux": 0.0}}, "net_flux = 0.0: .* no pressure drop, not a given"),

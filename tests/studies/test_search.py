@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[2]
 CASES = ROOT / "cases"
 ROWS = CASES / "slides" / "rows.toml"
 QUANTITY = ["--quantity", "apparent viscosity"]
+GIVEN = ["--quantity", "nope", "--target", "1", "--vary", "fluid.viscosity=1,2"]
 
 
 def search(f: Callable[[float], float], low: float, high: float, target: float, tolerance: float) -> Search:
@@ -152,6 +153,16 @@ def test_a_quantity_that_there_is_not_is_not_the_fault_of_the_key(
     given = ["--quantity", quantity, "--target", "1", "--vary", "fluid.viscosity=1,2"]
     assert fsi_command("search", CASES / "disc_in_box.toml", *given) == 2
     assert capfd.readouterr().err.startswith(f"error: --quantity {quantity}: {words}")
+
+
+def test_what_only_a_run_has_is_not_offered(capfd: pytest.CaptureFixture[str]) -> None:
+    """The time at a gap and positions stood among what is taken, and were refused when they were given."""
+    for command in (["--help"], [CASES / "disc_in_box.toml", *GIVEN]):
+        fsi_command("search", *command)
+        out, err = capfd.readouterr()
+        told = " ".join(f"{out}{err}".replace("│", " ").split())
+        assert '"BODY.force.x" (by the fluid; velocity; y), "BODY.torque", "BODY.angular_velocity"' in told
+        assert "of a run" not in told
 
 
 def test_a_change_of_the_key_that_is_sought_is_refused(capfd: pytest.CaptureFixture[str]) -> None:

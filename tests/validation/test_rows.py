@@ -28,7 +28,7 @@ def test_errors_are_relative_and_a_bar_has_two_parts() -> None:
     assert ROW.passed
     assert not replace(ROW, rtol=0.009).passed
     assert not replace(ROW, value=float("nan")).passed
-    assert replace(ROW, reference=0.0, value=1e-3).true_error == 1e-3  # of zero: absolute
+    assert replace(ROW, reference=0.0, value=1e-3, scale=0.5).true_error == 2e-3
 
 
 @pytest.mark.parametrize(
