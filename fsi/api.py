@@ -26,7 +26,7 @@ from fsi.arrays import Array
 from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.result import CalibrationResult
 from fsi.calibration.sampling import Sampling
-from fsi.case.arguments import path_of, require_case, require_type, same_folder
+from fsi.case.arguments import of_folder, path_of, require_case, require_type, same_folder, told_as
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work
 from fsi.case.load import load_case, make_case
@@ -173,7 +173,7 @@ class Solution:
             return solve.resistance(self._given)
         return solve.resistance_with_errors(self._given).resistance
 
-    @together_in_turn()
+    @of_folder()
     def write(self, folder: Path | str) -> dict[str, list[str]]:
         """Write the fields as VTU files into a folder; gives their names by series. Raises InputError."""
         folder = same_folder(folder)
@@ -201,9 +201,10 @@ class Solution:
             return "\n".join([*lines, *map(shown.format, self.bodies[:5])])
 
 
+@told_as("path")
 def open_run(path: Path | str) -> Run:
     """Open the folder of a run, without changing anything in it. Raises InputError: it is no run folder."""
-    return open_folder(path_of("run", path))
+    return open_folder(path_of("path", path))
 
 
 @together_in_turn()
@@ -225,7 +226,7 @@ def solve(case: Case) -> Solution:
     return Solution(solved.case, solved.solution, solved.errors, case)
 
 
-@together_in_turn()
+@of_folder()
 def run(case: Case, folder: Path | str, callback: Progress = no_progress) -> Run:
     """Move the bodies of a case in time, at its level, into a new run folder.
 
@@ -244,7 +245,7 @@ def run(case: Case, folder: Path | str, callback: Progress = no_progress) -> Run
     return open_run(folder)
 
 
-@together_in_turn()
+@of_folder()
 def resume(folder: Path | str, callback: Progress = no_progress, overrides: Sequence[str] = ()) -> Run:
     """Continue a run after its last complete step; a finished one is left as it is.
 
@@ -262,7 +263,7 @@ def resume(folder: Path | str, callback: Progress = no_progress, overrides: Sequ
     return open_run(folder)
 
 
-@together_in_turn()
+@of_folder()
 def calibrate(case: Case, folder: Path | str, processes: int = 1) -> CalibrationResult:
     """Sample a resistance as [calibration] says, fit a law, write both into a folder.
 
@@ -294,7 +295,6 @@ def _follow(callback: Progress, launch: Callable[[Progress, MakeEvolution], Any]
         bar.begin(case.timing.end)
         return make_evolution(case)
 
-    remedy = "give a function that takes a fsi.StepRecord"
-    require_type("callback", callback, remedy, right=callable(callback))
+    require_type("callback", callback, "give a function that takes a StepRecord", right=callable(callback))
     with ProgressBar() as bar:
         launch(show, make)

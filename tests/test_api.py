@@ -70,7 +70,7 @@ def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance(tmp_path: Path
             with pytest.raises(fsi.InputError, match=words):
                 values_at(points)
     (tmp_path / "there").touch()
-    with pytest.raises(fsi.InputError, match=r"output = .*there: Not a directory; give a folder"):
+    with pytest.raises(fsi.InputError, match=r"^folder = .*there: Not a directory; give a folder"):
         solution.write(tmp_path / "there")
     assert solution.write(tmp_path / "fields" / "new")["fluid"] == ["fluid_000000.vtu"]
     R = solution.resistance()

@@ -54,6 +54,10 @@ def test_a_case_takes_paths_for_files(tmp_path: Path) -> None:
     domain = {"lower": [-3.0, 0.0], "upper": [3.0, 6.0], "mesh": mesh}
     with pytest.raises(fsi.InputError, match=r"^domain\.mesh = .*: no such file"):
         reduced(domain=domain, model="resolved")
+    with pytest.raises(
+        fsi.InputError, match=r"^domain\.mesh = .*: is a folder; give the path of a mesh file$"
+    ):
+        reduced(domain=domain | {"mesh": tmp_path}, model="resolved")
     mesh.touch()
     assert reduced(domain=domain, model="resolved").domain.mesh == str(mesh)
 
@@ -84,7 +88,7 @@ API: Any = fsi  # as those use it who check no types
         (lambda _: API.load_case(3), "path: is of type int"),
         (lambda _: API.load_case(b"x"), "path: is of type bytes"),
         (lambda _: API.load_case(BOX, None), "overrides = None"),
-        (lambda _: API.open_run(None), "run: is of type NoneType"),
+        (lambda _: API.open_run(None), "path: is of type NoneType"),
         (lambda _: API.resume(None), "folder: is of type NoneType"),
         (lambda case: API.run(case, None), "folder: is of type NoneType"),
         (lambda case: API.run(case, "out", 3), "callback: is of type int"),
@@ -104,3 +108,56 @@ def test_what_is_no_argument_is_refused_in_one_line(
     with pytest.raises(fsi.InputError, match=rf"^{words}[;:] give .+$"):
         ask(reduced())
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (
+            lambda here: API.open_run(here / "none"),
+            "path = .*none: there is no case.toml; give the folder that",
+        ),
+        (lambda here: API.resume(here / "none"), "folder = .*none: not a run folder .*; give one made by"),
+        (lambda here: API.run(reduced(), here), "folder = .*: exists and is not empty; give another folder"),
+    ],
+)
+def test_a_path_is_told_by_the_name_of_its_argument(
+    ask: Callable[[Path], object], words: str, tmp_path: Path
+) -> None:
+    """They told of `output` and `run`, as commands call them."""
+    (tmp_path / "there").touch()
+    with pytest.raises(fsi.InputError, match=f"^{words}"):
+        ask(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("sections", "words"),
+    [
+        ({"arrangement": {"number": 4}, "bodies": []}, "bodies: the bodies are those of "),
+        ({"model": "x"}, 'model = "x": there is no such model; give "resolved", "pores", '),
+        ({"model": "limit"}, 'model = "limit": is now `fsi limit` of a case of one gluey body; give "gluey"'),
+        (
+            {"bodies_from": "\u00e9\n.json"},
+            r'bodies_from = "\u00e9\n.json": No such file or directory; give ',
+        ),
+        ({"bodies_from": 5000 * "x"}, f'bodies_from = "{55 * "x"} ...: ends in nothing; give a .json or'),
+        (
+            {"bodies_from": "x.json"},
+            "bodies_from = x.json: No such file or directory; give the path of a file",
+        ),
+        ({"name": "a\rb", "geometry": "a\rb"}, r'geometry = "a\rb": not one of the choices; give '),
+    ],
+)
+def test_whatever_is_given_the_line_is_one(sections: dict[str, Any], words: str) -> None:
+    with pytest.raises(fsi.InputError) as caught:
+        reduced(**sections)
+    assert str(caught.value).startswith(words)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_the_meaning_of_a_key_is_on_the_line_too() -> None:
+    """It had the line break of a text in the code."""
+    with pytest.raises(fsi.InputError) as caught:
+        API.make_case(name="a", arrangement={"number": 4, "area_fraction": 0.4}, domain={})
+    assert str(caught.value).startswith('arrangement.kind: missing; give "random", ')
+    assert str(caught.value).endswith('"body-centred", "face-centred" or "close-packed" of spheres')

@@ -28,7 +28,7 @@ def too_large(fraction: float, what: str, largest: float) -> InputError:
     """The refusal of an area fraction, for some bodies with their gaps; with the largest, to four digits."""
     digits = 10.0 ** (3 - floor(log10(largest)))
     bound = f"the largest possible is {floor(largest * digits) / digits:g}"
-    return InputError(f"area fraction = {fraction:g}: too large for {what}; {bound}; lower it, or the gap")
+    return InputError(f"area_fraction = {fraction:g}: too large for {what}; {bound}; lower it, or the gap")
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import dataclasses
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import pi, radians, sin, sqrt
+from math import pi, prod, radians, sin, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from fsi.meshes.geometry.curves import rescaled
 
 def square_array(w: Wanted) -> Arrangement:
     """Discs at the distance b of each other, `b^2 = pi a^2 / phi`, and b/2 off the walls."""
-    columns = _columns(w, w.rows)
+    columns = _columns(w, rows=w.rows)
     least = w.apart if all(w.periodic) else w.apart + w.gap
     _check_fraction(w, w.disc_area / least**2)
     b = w.radius * sqrt(pi / w.fraction)
@@ -42,7 +42,7 @@ def hexagonal_array(w: Wanted) -> Arrangement:
 
     Rows are `c = (sqrt3/2) b` apart, and c/2 off the walls; across periodic sides their number is even.
     """
-    columns = _columns(w, w.rows)
+    columns = _columns(w, rows=w.rows)
     _need_periodic_x(w, "a hexagonal array")
     if w.periodic[1] and w.rows % 2:
         odd = f"number = {w.number}" if w.number % 2 else f"rows = {w.rows}"
@@ -62,7 +62,7 @@ def flow_aligned_rows(w: Wanted) -> Arrangement:
 
     The outer rows are c/2 off the walls.
     """
-    columns, s = _columns(w, w.rows), w.apart
+    columns, s = _columns(w, rows=w.rows), w.apart
     _need_periodic_x(w, "rows")
     _check_fraction(w, w.disc_area / (s * (s if w.periodic[1] else s + w.gap)))
     c = w.disc_area / (w.fraction * s)
@@ -78,7 +78,7 @@ def oblique_chains(w: Wanted) -> Arrangement:
     `length pi a^2 = phi X (h + 2 a + c)`.
     """
     _need_periodic_x(w, "chains")
-    abreast = _columns(w, w.rows * w.length)
+    abreast = _columns(w, rows=w.rows, length=w.length)
     s, slope = w.apart, _slope(w.angle)
     rise = (w.length - 1) * s * slope
     area = w.length * pi * w.radius**2 * slope
@@ -98,8 +98,8 @@ def wall_to_wall_columns(w: Wanted) -> Arrangement:
     The height is `H = (length - 1) s sin(angle) + 2 a + 2 g`; they are `length pi a^2 / (phi H)` apart in x.
     """
     if w.periodic != (True, False):
-        raise InputError("columns stand between walls: give a channel, periodic along x only")
-    abreast = _columns(w, w.length)
+        raise InputError(f'cell = "{w.cell}": columns stand between walls; give "channel"')
+    abreast = _columns(w, length=w.length)
     s, slope = w.apart, _slope(w.angle)
     height = (w.length - 1) * s * slope + 2.0 * w.radius + 2.0 * w.gap
     _check_fraction(w, w.length * pi * w.radius**2 * slope / (s * height))
@@ -120,10 +120,15 @@ def _grid(inner: int, outer: int) -> tuple[Array, Array]:
     return k.ravel(), m.ravel()
 
 
-def _columns(w: Wanted, rows: int) -> int:
+def _columns(w: Wanted, **counts: int) -> int:
+    """The number of discs over the product of counts, those side by side, given by their keys."""
+    rows = prod(counts.values())
+    if rows > w.number:
+        key = max(counts, key=lambda key: counts[key])
+        raise InputError(f"{key} = {counts[key]}: more discs side by side than number = {w.number}; lower it")
     if w.number % rows:
         here = f"number = {w.number}: no multiple of {rows}, the discs side by side (rows times length)"
-        raise InputError(f"{here}; give {rows * max(round(w.number / rows), 1)}")
+        raise InputError(f"{here}; give {rows * round(w.number / rows)}")
     return w.number // rows
 
 
@@ -136,7 +141,10 @@ def _slope(angle: float) -> float:
 
 def _need_periodic_x(w: Wanted, what: str) -> None:
     if not w.periodic[0]:
-        raise InputError(f"{what}: would cross walls at its ends; give a cell that is periodic along x")
+        raise InputError(
+            f'cell = "{w.cell}": {what} would cross walls at its ends; give one that is periodic along x, '
+            '"channel" or "periodic"'
+        )
 
 
 def _check_fraction(w: Wanted, largest: float) -> None:

@@ -34,7 +34,7 @@ def oriented_arrangement(radii: Array, w: Wanted) -> Arrangement:
     """
     shape = ConvexShape("ellipse" if w.shape == "ellipse" else "rod", w.ratio)
     cell = cell_for(radii, w.fraction, w.periodic, w.aspect)
-    here = f"area fraction = {w.fraction:g}: "
+    here = f"area_fraction = {w.fraction:g}: "
     around = radii + 0.5 * w.gap
     if w.fraction * float(np.sum(around**2) / np.sum(radii**2)) > LIMIT:
         what = f"{w.shape}s at random with gaps of {w.gap:g} radii"

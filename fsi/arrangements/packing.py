@@ -61,7 +61,7 @@ def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
         if x is not None:
             return Arrangement(cell, shaken(cell, x, radii, gap, rng), radii)
     raise InputError(
-        f"area fraction = {w.fraction:g}: no arrangement of {len(radii)} bodies with gaps of {w.gap:g} radii "
+        f"area_fraction = {w.fraction:g}: no arrangement of {len(radii)} bodies with gaps of {w.gap:g} radii "
         f"found in {TRIES} tries; lower it or the gap, or place more bodies"
     )
 

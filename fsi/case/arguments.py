@@ -1,5 +1,7 @@
 """What Python users give to functions: of the right type, the same on all ranks, or refused in one line."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -8,7 +10,7 @@ import numpy as np
 
 from fsi.case.case import Case
 from fsi.errors import InputError
-from fsi.parallel import require_same
+from fsi.parallel import require_same, together_in_turn
 
 
 def require_type(what: str, given: object, remedy: str, *, right: bool) -> None:
@@ -37,6 +39,25 @@ def same_folder(folder: Path | str) -> Path:
     path = path_of("folder", folder)
     require_same("folder", str(path).encode)
     return path
+
+
+@contextmanager
+def told_as(argument: str) -> Iterator[None]:
+    """Let refusals of a path name an argument, where they name what commands call it: output, run."""
+    try:
+        yield
+    except InputError as error:
+        option, equals, rest = str(error).partition(" = ")
+        if option not in ("output", "run"):
+            raise
+        raise InputError(f"{argument}{equals}{rest}") from error
+
+
+@contextmanager
+def of_folder() -> Iterator[None]:
+    """What users call with the argument `folder`, all ranks together."""
+    with together_in_turn(), told_as("folder"):
+        yield
 
 
 def lists(value: Any) -> Any:

@@ -76,8 +76,8 @@ class Arranged(Section):
         asked = wanted(self.kind, common | {"cell": self.cell}, given, _spelled)
         try:
             return arrange(self.kind, asked)
-        except InputError as error:
-            raise InputError(f"arrangement: {error}") from None
+        except InputError as error:  # it begins with one of the keys here
+            raise InputError(f"arrangement.{error}") from None
 
 
 def _spelled(name: str, value: Any) -> str:

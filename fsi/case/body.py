@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 FREE: Literal["free"] = "free"
+_LARGEST_ANGLE = 1e8  # radians: its neighbours among floating-point numbers are 1.5e-8 away
 _LOAD = "a number or a table {times = [...], values = [...]}"
 _MOTION = f'"free", {_LOAD}'
 
@@ -112,6 +113,14 @@ class Body(Section):
         if spatial != vector:
             raise ValueError("must be a vector of three in space" if spatial else "must not be a vector")
         return turning
+
+    @field_validator("angle")
+    @classmethod
+    def _has_a_direction(cls, angle: float | tuple[float, ...]) -> float | tuple[float, ...]:
+        if np.abs(angle).max() > _LARGEST_ANGLE:
+            known = f"is rounded too much beyond {_LARGEST_ANGLE:g} to tell a direction"
+            raise ValueError(f"{known}; give it without its whole turns, 2 pi each")
+        return angle
 
     @field_validator("radius", mode="before")
     @classmethod

@@ -32,6 +32,7 @@ _NUMBERS = COLUMNS[1:]
 _NEEDED = ("radius", "x", "y")
 # Boxes of a file and of its case agree to this, relative: their area fraction is what the user is after.
 _SAME_SIZE = 1e-9
+_LONGEST_NAME = 300  # letters of a path that messages give whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +94,7 @@ def _parsed(path: Path, kind: str, parse: Callable[[str], Any]) -> Any:
     try:
         return data_of(path, kind, parse, "give the path of a file, seen from the case file's folder")
     except InputError as error:
-        raise InputError(f"bodies_from = {error}") from None
+        raise _refusal(path, str(error).removeprefix(f"{path}: ")) from None
 
 
 def _number(text: str) -> float | str:
@@ -217,4 +218,6 @@ def _check_cell(path: Path, sides: tuple[float, ...], vectors: Any) -> None:
 
 
 def _refusal(path: Path, what: str) -> InputError:
-    return InputError(f"bodies_from = {path}: {what}")
+    name = str(path)
+    plain = name.isprintable() and len(name) <= _LONGEST_NAME
+    return InputError(f"bodies_from = {name if plain else toml_text(name)}: {what}")

@@ -83,7 +83,7 @@ def _meaning(path: tuple[int | str, ...], root: type[Section], data: Mapping[str
                 inner = sections_in(section.model_fields[str(part)].annotation)
                 candidates = [one.meant_by(here) for one in inner]
                 break
-    return meaning
+    return " ".join(meaning.split())
 
 
 def _inside(data: Any, part: int | str) -> Any:

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -54,7 +54,8 @@ class Grid(Section):
         """
         random = np.random.default_rng(self.seed)
         places = np.array(list(itertools.product(*map(range, self.counts))), dtype=float)
-        disturbance = random.uniform(-self.jitter, self.jitter, places.shape)
+        jitter = abs(self.jitter)  # NumPy takes 0 to -0.0 for upside down
+        disturbance = random.uniform(-jitter, jitter, places.shape)
         centres = np.array(self.lower) + self.spacing * places + disturbance
         radii = random.uniform(*self.radius, len(places))
         self._require_room(here, centres, radii)
@@ -76,6 +77,14 @@ class Grid(Section):
                     f"{here}.spacing = {self.spacing}: neighbours overlap by {-least:.3g}; widen it, or "
                     "lower radius or jitter"
                 )
+
+
+def members(grids: Sequence[Mapping[str, Any]], first: int) -> str:
+    """Which bodies of a case are those of each grid, in words; first: of the first of them."""
+    counts = [math.prod(grid["counts"]) for grid in grids]
+    begins = itertools.accumulate(counts, initial=first)
+    ranges = enumerate(zip(begins, counts, strict=False))
+    return ", ".join(f"bodies.{k} to {k + count - 1} are those of grids.{i}" for i, (k, count) in ranges)
 
 
 def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:

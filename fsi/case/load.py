@@ -20,9 +20,9 @@ from fsi.case.body import Body
 from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
 from fsi.case.complaints import explain
-from fsi.case.magnitudes import GIVEN, check_magnitudes
+from fsi.case.magnitudes import GIVEN, check_magnitudes, check_whole_numbers
 from fsi.case.reduced import LAW_KEYS
-from fsi.case.section import CaseContext, Geometry, toml_data, toml_text, tuples
+from fsi.case.section import CaseContext, Geometry, refusal, toml_data, toml_text, tuples
 from fsi.errors import InputError
 from fsi.files import plain, write_whole
 
@@ -62,7 +62,6 @@ def case_data(
         override(data, text)
     for key, value in (values or {}).items():
         _put(data, key, deepcopy(value), f"{key}={toml_text(value)}")
-    _check_model(path, data.get("model", MODELS[0]))
     for _, table, last in _paths(data):
         # Where links lead in a circle `Path.resolve` would raise; who reads the file tells of it.
         table[last] = os.path.realpath(path.parent / table[last])
@@ -96,11 +95,34 @@ def toml_values(text: str) -> list[Any]:
 
 def parse_case(data: Mapping[str, Any]) -> Case:
     """The case that nested dictionaries, lists and numbers describe, checked. Raises InputError."""
+    _check_model(data.get("model", MODELS[0]))
     geometry = data.get("geometry", "planar")
     if geometry not in get_args(Geometry.__value__):
         geometry = "planar"  # the schema says what is wrong
     check_magnitudes(data, GIVEN)
+    check_whole_numbers(data)
     listed = _with_all_bodies(data, CaseContext(geometry))
+    try:
+        return _case_of(listed, geometry)
+    except InputError as error:
+        if str(error).startswith("bodies") and (told := _made(data, listed)):
+            raise InputError(f"{error} ({told})") from None
+        raise
+
+
+def _made(data: Mapping[str, Any], listed: Mapping[str, Any]) -> str:
+    """What messages that name bodies say of those that a section has made; nothing where none has."""
+    if "arrangement" in data and "arrangement" not in listed:
+        return "the bodies are those of [arrangement]"
+    if "grids" in data and "grids" not in listed:
+        from fsi.case.grids import members
+
+        return members(data["grids"], len(data.get("bodies", ())))
+    return ""
+
+
+def _case_of(listed: Mapping[str, Any], geometry: Geometry) -> Case:
+    """The case of data with all bodies in [[bodies]], checked. Raises InputError."""
     check_magnitudes(listed, ["bodies"])
     bodies = listed.get("bodies", ())
     context = CaseContext(geometry, len(bodies) if isinstance(bodies, tuple | list) else 0)
@@ -138,15 +160,13 @@ def read_toml(path: Path) -> dict[str, Any]:
     return toml_data(path, "a case file, `fsi cases` writes some")
 
 
-def _check_model(path: Path, model: Any) -> None:
+def _check_model(model: Any) -> None:
     """Raise InputError if there is no such level."""
     if model == "limit":
-        raise InputError(
-            f'{path}: model = "limit": is now `fsi limit` of a case of one gluey body; give "gluey"'
-        )
+        raise refusal("model", model, 'is now `fsi limit` of a case of one gluey body; give "gluey"')
     if model not in MODELS:
         choices = " or ".join([", ".join(f'"{name}"' for name in MODELS[:-1]), f'"{MODELS[-1]}"'])
-        raise InputError(f"{path}: model = {toml_text(model)}: there is no such model; give {choices}")
+        raise refusal("model", model, f"there is no such model; give {choices}")
 
 
 # Keys of sections that are paths of files; words without a suffix are laws that have a name.
@@ -229,7 +249,8 @@ def _enter(here: Any, part: str, key: str, text: str) -> Any:
 def _index(items: list[Any], part: str, key: str, text: str) -> int:
     if part in map(str, range(len(items))):  # "01" would be a second name of an entry
         return int(part)
-    raise InputError(f"--set {text}: no {key}; the list has the entries 0 to {len(items) - 1}")
+    there = f"has the entries 0 to {len(items) - 1}" if items else "is empty"
+    raise InputError(f"--set {text}: no {key}; the list {there}")
 
 
 def _toml_value(value: str, text: str) -> Any:

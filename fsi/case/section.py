@@ -11,6 +11,7 @@ import ast
 import difflib
 import inspect
 import itertools
+import json
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
@@ -32,6 +33,7 @@ Text = Annotated[str, Field(min_length=1)]
 Name = Annotated[str, Field(pattern=r"^\w[\w -]*$")]
 
 _LONGEST_VALUE = 60
+_DECIMAL = 10_000  # bits of a whole number; of many more Python writes no digits
 
 
 class CaseContext(NamedTuple):
@@ -200,8 +202,10 @@ def _toml(value: object) -> str:
     match value:
         case bool():
             return str(value).lower()
+        case int() if value.bit_length() > _DECIMAL:
+            return hex(value)
         case str():
-            return '"' + value.replace("\n", "\\n") + '"'
+            return json.dumps(value, ensure_ascii=not value.isprintable())
         case list() | tuple():
             return "[" + ", ".join(map(_toml, value)) + "]"
         case BaseModel():

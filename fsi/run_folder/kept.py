@@ -48,7 +48,7 @@ class Kept:
 def require_run(path: Path) -> None:
     """Raise InputError if a folder is not that of a run."""
     if not (path / CASE).is_file():
-        raise InputError(f"output = {path}: not a run folder (it has no {CASE}); give one made by `fsi run`")
+        raise InputError(f"run = {path}: not a run folder (it has no {CASE}); give one made by `fsi run`")
 
 
 def require_as_begun(path: Path) -> None:

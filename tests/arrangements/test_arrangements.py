@@ -207,7 +207,7 @@ def test_crystals_touch_where_they_are_densest(
 def test_too_large_a_fraction_is_refused_with_the_largest() -> None:
     largest = largest_fraction(np.ones(100), (True, True), 1.0, 0.02)
     assert largest == pytest.approx(0.78 / 1.01**2)  # the grown discs fill 0.78
-    with pytest.raises(InputError, match=r"area fraction = 0.8: .* the largest possible is 0.7646"):
+    with pytest.raises(InputError, match=r"area_fraction = 0.8: .* the largest possible is 0.7646"):
         random_discs(100, 0.8, 0.02, "periodic")
 
 

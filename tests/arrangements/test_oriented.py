@@ -102,9 +102,9 @@ def test_no_two_are_nearer_than_the_gap(shape: str, cell: str, aligned: float | 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"fraction": 0.8}, "area fraction = 0.8: too large for rods"),
+        ({"fraction": 0.8}, "area_fraction = 0.8: too large for rods"),
         ({"number": 4, "fraction": 0.5}, "number = 4: the cell is shorter than two rods of ratio 4"),
-        ({"number": 14, "fraction": 0.68}, "area fraction = 0.68: no arrangement of 14 rods"),
+        ({"number": 14, "fraction": 0.68}, "area_fraction = 0.68: no arrangement of 14 rods"),
     ],
 )
 def test_what_does_not_fit_is_refused_by_name(change: dict[str, float], message: str) -> None:

@@ -13,6 +13,7 @@ from fsi.cli.pack import pack
 from fsi.errors import InputError
 
 GIVEN: dict[str, Any] = {"kind": "random", "number": 12, "area_fraction": 0.4, "seed": 5}
+ORDERED: dict[str, Any] = {"kind": "square", "number": 16, "area_fraction": 0.4}
 CASE: dict[str, Any] = {
     "name": "arranged",
     "fluid": {"viscosity": 1.0},
@@ -69,11 +70,30 @@ def test_defaults_hold_for_arranged_bodies() -> None:
             {"arrangement": GIVEN | {"area_fraction": 1.2}},
             r"area_fraction = 1.2: bodies cannot fill all",
         ),
-        ({"arrangement": GIVEN | {"area_fraction": 0.95}}, r"^arrangement: "),
+        (
+            {"arrangement": GIVEN | {"area_fraction": 0.95}},
+            r"^arrangement\.area_fraction = 0\.95: too large for 12",
+        ),
+        (
+            {"arrangement": ORDERED | {"kind": "columns", "length": 2**62}},
+            rf"^arrangement\.length = {2**62}: more discs side by side than number = 16; lower it$",
+        ),
+        (
+            {"arrangement": ORDERED | {"kind": "chains", "rows": 9, "length": 2}},
+            r"^arrangement\.rows = 9: more discs side by side than number = 16; lower it$",
+        ),
+        (
+            {"arrangement": ORDERED | {"rows": 3}},
+            r"^arrangement\.number = 16: no multiple of 3, .*; give 15$",
+        ),
+        (
+            {"arrangement": ORDERED | {"kind": "rows", "cell": "box"}},
+            r'^arrangement\.cell = "box": rows would cross walls at its ends; give .* "periodic"$',
+        ),
         # The squares and cubes of these are no numbers: they raised OverflowError.
         ({"arrangement": GIVEN | {"gap": 1e200}}, r"^arrangement.gap = 1e\+200: out of range; .* to 1e\+50"),
         (
-            {"arrangement": {"kind": "square", "number": 16, "area_fraction": 0.4, "gap": 1e200}},
+            {"arrangement": ORDERED | {"gap": 1e200}},
             r"^arrangement.gap = 1e\+200: out of range",
         ),
         ({"arrangement": GIVEN | {"area_fraction": 1e-300}}, r"^arrangement.area_fraction = 1e-300: out of"),
@@ -89,3 +109,23 @@ def test_defaults_hold_for_arranged_bodies() -> None:
 def test_mistakes_name_their_key(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         parse_case(CASE | changes)
+
+
+def test_what_is_wrong_with_bodies_names_what_makes_them() -> None:
+    """An array of four stands at b/2 = sqrt(pi / 0.4) / 2 from the corner; no user has written bodies.0."""
+    half = 0.5 * np.sqrt(np.pi / 0.4)
+    given = {"arrangement": ORDERED | {"number": 4}, "body_defaults": {"mass": 1.0}}
+    with pytest.raises(
+        InputError, match=r"^bodies\.0\.mass = 1\.0: .* \(the bodies are those of \[arrangement\]\)$"
+    ):
+        parse_case(CASE | given)
+    assert parse_case(CASE | {"arrangement": given["arrangement"]}).bodies[0].position == (half, half)
+    grid = {"name": "g", "counts": [3, 2], "lower": [0.5, 2.0], "spacing": 3.0, "radius": [1.0, 1.0]}
+    box = {"lower": [0.0, 0.0], "upper": [9.0, 12.0]}
+    own = {"name": "own", "radius": 0.5, "position": [1.0, 9.0]}
+    data = CASE | {"domain": box, "bodies": [own], "grids": [grid, grid | {"name": "h", "counts": [1, 1]}]}
+    made = r" \(bodies\.1 to 6 are those of grids\.0, bodies\.7 to 7 are those of grids\.1\)$"
+    with pytest.raises(InputError, match=r"^bodies\.1\.position = .*'left' \(gap -0\.5\); .*" + made):
+        parse_case(data)
+    with pytest.raises(InputError, match=r"^bodies: g 0 and h 0 overlap by 2; move them apart" + made):
+        parse_case(data | {"model": "gluey"})

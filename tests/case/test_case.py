@@ -180,6 +180,12 @@ def test_bad_overrides(write: Callable[[dict[str, Any]], Path], override: str, w
     assert words in str(caught.value)
 
 
+def test_an_override_of_an_entry_of_an_empty_list(write: Callable[[dict[str, Any]], Path]) -> None:
+    """It had "the entries 0 to -1"."""
+    with pytest.raises(InputError, match=r"^--set bodies\.0\.radius=1: no bodies\.0; the list is empty$"):
+        load_case(write(BOX), ["bodies=[]", "bodies.0.radius=1"])
+
+
 @pytest.mark.parametrize(
     ("content", "words"),
     [

@@ -12,6 +12,15 @@ from fsi.case.load import parse_case
 from fsi.errors import InputError
 from tests.case_data import BOX, changed
 
+SPATIAL: dict[str, Any] = {
+    "name": "ball",
+    "geometry": "spatial",
+    "fluid": {"viscosity": 1.0},
+    "domain": {"lower": [-4.0] * 3, "upper": [4.0] * 3},
+    "bodies": [
+        {"name": "ball", "position": [0.0] * 3, "shape": {"kind": "ellipsoid", "axes": [2.0, 1.0, 1.0]}}
+    ],
+}
 SAID = "too small or too large for numbers, 1e-50 to 1e+50 in size; give other units"
 
 
@@ -82,3 +91,48 @@ def test_a_gap_that_large_coordinates_do_not_tell_is_no_touch(upper: list[float]
     ):
         parse_case(changed("domain.upper", upper))
     parse_case(changed("domain.upper", [1e12, 16.0]))
+
+
+@pytest.mark.parametrize(
+    ("angle", "case"),
+    [
+        (1e200, BOX),  # an orientation by chance
+        ([0.0, -1e160, 0.0], SPATIAL),  # its norm overflows: ValueError
+    ],
+)
+def test_an_angle_that_tells_no_direction_is_refused(angle: Any, case: dict[str, Any]) -> None:
+    """Of 2^k <= angle < 2^(k + 1) the neighbours are 2^(k - 52) away, 1.5e-8 at 1e8."""
+    data = copy.deepcopy(case)
+    data["bodies"][0]["angle"] = angle
+    with pytest.raises(
+        InputError, match=r"^bodies\.0\.angle = .*1e\+.*: is rounded .*beyond 1e\+08 .*; give it w"
+    ):
+        parse_case(data)
+    data["bodies"][0]["angle"] = [0.0, -1e8, 0.0] if case is SPATIAL else 1e8
+    parse_case(data)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("macroscopic", {"parcels": 10**400}),  # OverflowError, as each of these
+        ("discretisation", {"cells_per_circle": -(2**63) - 1}),
+        ("discretisation", {"cells_per_circle": 10**5000}),  # and Python writes no number of so many digits
+        ("arrangement", {"number": 2**63, "kind": "square", "area_fraction": 0.4}),
+        ("grids", [{"counts": [2, 2**63]}]),
+        ("time", {"end": 10**20}),
+    ],
+)
+def test_whole_numbers_have_64_bits(key: str, value: Any) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_case(changed(key, value))
+    assert str(caught.value).startswith(f"{key}.")
+    assert str(caught.value).endswith(": a whole number has more than 64 bits; give a smaller one")
+    assert len(str(caught.value)) < 200
+
+
+def test_a_jitter_of_minus_zero_is_none() -> None:
+    """NumPy said "high - low < 0"."""
+    grid = {"name": "g", "counts": [2, 2], "lower": [-6.0, 6.0], "spacing": 3.0, "radius": [1.0, 1.0]}
+    still, minus = (parse_case(changed("grids", [grid | {"jitter": x}])) for x in (0.0, -0.0))
+    assert still == minus

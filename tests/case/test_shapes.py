@@ -62,7 +62,6 @@ def test_a_case_with_shapes_is_written_and_read_again() -> None:
         ({"kind": "egg", "a": 1.0}, r'kind = "egg": .*"tip"; one of your own must be registered first'),
         ({"kind": "ellipse", "axes": [2.0, 0.0]}, r"shape\.axes.* = 0\.0: must be greater than 0"),
         ({"kind": "ellipse", "axis": 1.0}, r"shape\.axis = 1\.0: unknown key; use bodies\.0\.shape\.axes"),
-        ({"kind": "tip", "radius": 1.0, "alpha": 1.0, "length": 2.0}, "flatter than the disc"),
         ({"kind": "ellipse", "axes": [1.0, 1e-6]}, "too slender or too jagged; give one that is rounder$"),
         ({"kind": "stadium", "length": 1e5, "radius": 0.1}, "too slender"),
         ({"kind": "fourier", "radius": 1.0, "orders": [200], "cosines": [0.3]}, "too jagged"),
@@ -73,16 +72,7 @@ def test_a_case_with_shapes_is_written_and_read_again() -> None:
             {"kind": "spline", "points": [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]]},
             "the same point twice",
         ),
-        ({"kind": "fourier", "radius": 1.0, "orders": [2], "cosines": [1.0]}, "add up to 1 or more"),
         ({"kind": "fourier", "radius": 1.0, "orders": [2, 2], "cosines": [0.1, 0.1]}, "has the order 2 more"),
-        (
-            {"kind": "polygon", "corners": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], "rounding": 0.4},
-            "shorter than the arcs",
-        ),
-        (
-            {"kind": "polygon", "corners": [[0.0, 1.0], [1.0, 0.0], [0.0, 0.0]], "rounding": 0.1},
-            "once around counterclockwise",
-        ),
         (
             {"kind": "spline", "points": [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.5, -0.5], [0.0, 0.0]]},
             "runs clockwise",
@@ -155,8 +145,16 @@ def test_with_an_axis_a_shape_turns_around_it() -> None:
             0.0,
             r"is not symmetric .* or an angle to all digits$",
         ),
-        ({"kind": "profile", "points": [[0.0, 0.0], [1.0, 1.0], [0.1, 2.0]]}, 0.0, "from x = 0 to x = 0"),
-        ({"kind": "profile", "points": [[0.0, 2.0], [1.0, 1.0], [0.0, 0.0]]}, 0.0, "begins above its end"),
+        (
+            {"kind": "profile", "points": [[0.0, 0.0], [1.0, 1.0], [0.1, 2.0]]},
+            0.0,
+            r"\.shape\.points = .* x = 0 to x = 0 ",
+        ),
+        (
+            {"kind": "profile", "points": [[0.0, 2.0], [1.0, 1.0], [0.0, 0.0]]},
+            0.0,
+            "not below the last; turn",
+        ),
     ],
 )
 def test_what_is_no_body_of_revolution_is_refused(shape: dict[str, Any], angle: float, message: str) -> None:

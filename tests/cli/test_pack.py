@@ -93,7 +93,7 @@ def test_the_help_names_what_may_be_given() -> None:
     [
         ({"kind": "square", "seed": 3}, ["--seed 3", "square has no such option", "takes rows"]),
         ({"kind": "rows", "aspect": 2.0}, ["--aspect 2.0", "rows has no such option"]),
-        ({"area_fraction": 0.9}, ["area fraction = 0.9", "largest possible is 0.7"]),
+        ({"area_fraction": 0.9}, ["area_fraction = 0.9", "largest possible is 0.7"]),
         ({"area_fraction": 1.0}, ["--area-fraction 1", "below 1"]),
         ({"area_fraction": 0.0}, ["--area-fraction 0", "above 0"]),
         ({"radius": -1.0}, ["--radius -1"]),
@@ -109,7 +109,7 @@ def test_the_help_names_what_may_be_given() -> None:
         ({"kind": "rows", "cell": "box"}, ["periodic along x"]),
         ({"kind": "hexagonal", "cell": "periodic", "number": 12, "rows": 3}, ["rows = 3", "even"]),
         ({"kind": "hexagonal", "cell": "periodic", "number": 15}, ["number = 15", "even"]),
-        ({"kind": "rows", "area_fraction": 0.8}, ["area fraction = 0.8", "largest possible is 0.7623"]),
+        ({"kind": "rows", "area_fraction": 0.8}, ["area_fraction = 0.8", "largest possible is 0.7623"]),
         ({"kind": "body-centred", "number": 7}, ["number = 7", "no multiple of 2", "give 6"]),
         ({"kind": "face-centred", "number": 4, "seed": 3}, ["--seed 3", "face-centred takes none"]),
         ({"output": Path("a.csv")}, ["a.csv", ".json"]),

@@ -265,4 +265,5 @@ def _check_forces(case: Case) -> None:
 def _check_files(case: Case) -> None:
     mesh = case.domain.mesh
     if mesh is not None and not Path(mesh).is_file():
-        raise InputError(f"domain.mesh = {toml_text(mesh)}: no such file; give the path of a mesh file")
+        what = "is a folder" if Path(mesh).is_dir() else "no such file"
+        raise refusal("domain.mesh", mesh, f"{what}; give the path of a mesh file")

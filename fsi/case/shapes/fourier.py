@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from fsi.arrays import Array
-from fsi.case.section import Positive
+from fsi.case.section import Positive, unfit
 from fsi.case.shapes.shape import BodyShape, register_shape
 from fsi.meshes.geometry.jets import JetOf, polar
 
@@ -40,9 +40,10 @@ class FourierShape(BodyShape):
     def _one_for_each_order(self) -> "FourierShape":
         for key, values in (("cosines", self.cosines), ("sines", self.sines)):
             if values and len(values) != len(self.orders):
-                raise ValueError(f"has {len(values)} {key} for {len(self.orders)} orders")
+                count = f"has {len(values)} coefficients for {len(self.orders)} orders"
+                raise unfit(key, count, "give one for each")
         if np.abs(self._coefficients).sum() >= 1.0:
-            raise ValueError("has coefficients whose sizes add up to 1 or more")
+            raise unfit("cosines", "their sizes and those of the sines add up to 1 or more", "lower them")
         return self
 
     @property

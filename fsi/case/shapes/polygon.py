@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from fsi.arrays import Array
-from fsi.case.section import Positive
+from fsi.case.section import Positive, toml_text, unfit
 from fsi.case.shapes.shape import ShapeOfArcs, register_shape
 from fsi.meshes.geometry.jets import ArcChain
 
@@ -29,12 +29,16 @@ class Polygon(ShapeOfArcs):
     def _sides_left(self) -> "Polygon":
         sides, turns = self._sides_and_turns
         if np.abs(turns).min() < _LEAST_TURN:
-            raise ValueError("has a corner that is none, where two sides go the same way")
+            here = toml_text(self.corners[int(np.abs(turns).argmin())])
+            raise unfit("corners", f"{here} is none, as both sides go the same way there", "drop it")
+        if abs(turns.sum() + 2.0 * np.pi) < _LEAST_TURN:
+            raise unfit("corners", "go around clockwise", "turn their order round")
         if not abs(turns.sum() - 2.0 * np.pi) < _LEAST_TURN:
-            raise ValueError("has corners that do not go once around counterclockwise")
-        cut = self.rounding * np.abs(np.tan(0.5 * turns))
-        if np.any(np.hypot(*sides.T) <= cut + np.roll(cut, -1)):
-            raise ValueError("has a side that is shorter than the arcs at its ends")
+            raise unfit("corners", "do not go around once", "give them such that no sides cross")
+        cut = np.abs(np.tan(0.5 * turns))
+        most = float((np.hypot(*sides.T) / (cut + np.roll(cut, -1))).min())
+        if self.rounding >= most:
+            raise unfit("rounding", "a side is shorter than the arcs at its ends", f"give less than {most:g}")
         return self
 
     @property

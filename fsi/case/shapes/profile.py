@@ -5,6 +5,7 @@ from typing import Literal, override
 import numpy as np
 from pydantic import Field, model_validator
 
+from fsi.case.section import unfit
 from fsi.case.shapes.shape import register_shape
 from fsi.case.shapes.spline import Place, ShapeThroughPoints
 
@@ -22,9 +23,10 @@ class HalfOutline(ShapeThroughPoints):
     def _right_half(self) -> "HalfOutline":
         x, y = np.array(self.points).T
         if x[0] != 0.0 or x[-1] != 0.0 or x[1:-1].min() <= 0.0:
-            raise ValueError("has points that do not go from x = 0 to x = 0 with x > 0 between")
+            what = "do not go from x = 0 to x = 0 with x > 0 between"
+            raise unfit("points", what, "give the right half, both its ends at x = 0")
         if not y[0] < y[-1]:
-            raise ValueError("begins above its end; turn the order of its points round")
+            raise unfit("points", "the first is not below the last", "turn their order round")
         return self
 
     @property

@@ -7,10 +7,13 @@ import scipy  # its modules load when they are used
 from pydantic import Field, model_validator
 
 from fsi.arrays import Array
-from fsi.case.section import Positive
+from fsi.case.section import Positive, unfit
 from fsi.case.shapes.shape import BodyShape, register_shape
 from fsi.case.tip_profile import TipProfile
 from fsi.meshes.geometry.jets import ArcChain, Jet, JetOf
+
+_NARROWEST = 1e-14  # of the radius: the half width of a tip that is one
+_ROUNDING = 1e-9  # of the largest length, which is computed in another way than the width
 
 
 @register_shape
@@ -30,8 +33,12 @@ class Tip(BodyShape):
 
     @model_validator(mode="after")
     def _meets_the_disc(self) -> "Tip":
-        if self.alpha == 1.0 and self.length >= 2.0 * self.radius:
-            raise ValueError("has a tip that is flatter than the disc; give a length below 2 radii")
+        """Where the arc begins x / slope(x) is the radius, if x is small: the more the smaller the length."""
+        with np.errstate(over="ignore"):
+            of_radius = _NARROWEST * np.power((1.0 + self.alpha) / _NARROWEST, 1.0 / self.alpha)
+        if self.length >= (1.0 - _ROUNDING) * of_radius * self.radius:
+            what = "makes a tip that is flatter than the disc"
+            raise unfit("length", what, f"give one below {of_radius * self.radius:g}")
         return self
 
     @property
@@ -45,7 +52,9 @@ class Tip(BodyShape):
         def off(x: float) -> float:
             return float(x * np.hypot(1.0, 1.0 / self._profile.slope(x)) - self.radius)
 
-        return float(scipy.optimize.brentq(off, 1e-14 * self.radius, self.radius, xtol=1e-16, rtol=1e-15))
+        return float(
+            scipy.optimize.brentq(off, _NARROWEST * self.radius, self.radius, xtol=1e-16, rtol=1e-15)
+        )
 
     @property
     def _parts(self) -> tuple[float, float]:
