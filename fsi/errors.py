@@ -8,6 +8,10 @@ class FsiError(Exception):
 
     exit_code: ClassVar[int] = 3
 
+    def __str__(self) -> str:
+        """The message on one line; names of files and what libraries say may have more."""
+        return " ".join(super().__str__().splitlines())
+
 
 class InputError(FsiError):
     """The user's input is wrong: the message names the key, the value and the remedy."""

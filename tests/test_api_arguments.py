@@ -161,3 +161,10 @@ def test_the_meaning_of_a_key_is_on_the_line_too() -> None:
         API.make_case(name="a", arrangement={"number": 4, "area_fraction": 0.4}, domain={})
     assert str(caught.value).startswith('arrangement.kind: missing; give "random", ')
     assert str(caught.value).endswith('"body-centred", "face-centred" or "close-packed" of spheres')
+
+
+def test_a_line_break_in_a_path_does_not_break_the_message() -> None:
+    with pytest.raises(fsi.InputError) as refused:
+        fsi.load_case("a\nb.toml")
+    assert "a b.toml" in str(refused.value)
+    assert "\n" not in str(refused.value)

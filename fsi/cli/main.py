@@ -110,7 +110,7 @@ def _words(error: BaseException) -> tuple[str, int]:
     """What to say of an error that ends the program, and the exit code."""
     match error:
         case FsiError():
-            return f"error: {' '.join(str(error).splitlines())}", error.exit_code
+            return f"error: {error}", error.exit_code
         case typer.TyperException():
             return f"error: {_usage(error)}", 2
         case KeyboardInterrupt():
