@@ -30,13 +30,21 @@ def shrunk(z: Array) -> Array:
 def kept(z: Array, change: Array, e: Array, later: Array) -> Array:
     """Where distances e have gone in a step: `later`, below z = -1 with their sign and at least what is left.
 
-    Their way is known to an order of the step only, and would there be longer than they are. Across the way
-    that a body takes to its balance nothing brings it back. All (N, M); change: h dU times the arms.
+    Their way is known to an order of the step only, and would there be longer than they are. All (N, M);
+    change: h dU times the arms.
+    """
+    least = left(z, change) * np.abs(e)
+    return np.where(z < -1.0, np.copysign(np.maximum(np.abs(later), least), e), later)
+
+
+def left(z: Array, change: Array) -> Array:
+    """The part of a distance that a step leaves, (N, M); change: h dU times the arms.
+
+    Across the way that a body takes to its balance nothing brings it back.
     """
     square = (change**2).sum(axis=1, keepdims=True)
     along = np.divide(change**2, square, out=np.zeros_like(change), where=square > 0.0)
-    least = (1.0 + along * np.expm1(z)) * np.abs(e)
-    return np.where(z < -1.0, np.copysign(np.maximum(np.abs(later), least), e), later)
+    return 1.0 + along * np.expm1(z)
 
 
 def mean(d: Array, later: Array) -> Array:

@@ -43,11 +43,12 @@ from numpy.typing import NDArray
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import LOADS, MODES, PLACES, Configuration, Inertia, Motion
-from fsi.bodies.surface_gap import narrowest_gap
+from fsi.bodies.surface_gap import SurfaceGap, narrowest_gap
 from fsi.integration.errors import ErrorEstimate, StepErrors
-from fsi.integration.relaxing import kept, mean, relaxing, shrunk
+from fsi.integration.relaxing import kept, left, mean, relaxing, shrunk
 from fsi.integration.state import Model, State, Step
 from fsi.integration.strayed_angles import in_columns, places_of, turn_since, turned_along
+from fsi.integration.strayed_bars import HIDDEN, bars, bars_of_places
 from fsi.integration.strayed_gaps import gap_bar, gap_gradient, gap_rate, way_of_gaps
 from fsi.meshes.geometry.container import Container
 
@@ -60,10 +61,6 @@ TURN_SAFETY = 20.0
 # The velocity of a body with mass erred by up to six times the estimate, at first steps.
 VELOCITY_SAFETY = 8.0
 OF_CAUSES = np.array([1.0, VELOCITY_SAFETY])[:, None, None]
-# Their signs are chosen: where one carries the other along, they may cancel in the estimate alone. So each is
-# known to this part of the largest.
-HIDDEN = 0.1
-ROUNDING = 1e-9  # of the largest: what bodies with a given velocity miss in place
 
 
 def _none() -> Array:
@@ -99,6 +96,7 @@ class Strayed:
         loads: |dF| of its end, without cancellation, (2, N, M); not for the next step.
         lost: |grad D . e| there; not for the next step.
         part: the bar of the smallest gap over that gap.
+        farthest: how far places have strayed by steps, but for what relaxes, (N, M); 0 with mass.
     """
 
     masses: Array | None
@@ -111,6 +109,7 @@ class Strayed:
     loads: Array = field(default_factory=_none)
     lost: float = 0.0
     part: float = 0.0
+    farthest: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def follow(self, step: Step, errors: StepErrors, model: Model, container: Container) -> None:
         """Take a step, at whose end velocities and loads miss by `errors`; collective.
@@ -124,6 +123,7 @@ class Strayed:
             self.e, self.d, self.run = np.zeros((2, *delta.shape)), _of_elements(delta), run
             self.widest, self.loads, self.lost = np.abs(self.d), np.zeros_like(self.e), 0.0
             self.last = np.stack([self._at_first(step), places_of(step.state.q)])
+            self.farthest = np.zeros_like(delta)
             return
         none, carried = np.zeros_like(delta), partial(self._carried, step, model=model, container=container)
         z = least = change = none
@@ -145,7 +145,10 @@ class Strayed:
         d = np.stack([of_elements, of_steps.sum(axis=0)])
         # d is that of places that have eps, which comes at the end of the step.
         later = e + h * mean(d_before, d - z / h * eps)
-        self.e = np.stack([later[0], kept(z, step.state.q.arms * change, e[1], later[1])]) + eps
+        along = step.state.q.arms * change
+        self.e = np.stack([later[0], kept(z, along, e[1], later[1])]) + eps
+        if self.masses is None:
+            self.farthest = np.maximum(np.abs(self.e[1]), left(z, along) * self.farthest)
         widest = np.stack([np.abs(of_elements), np.abs(of_steps).sum(axis=0)])
         self.d, self.widest = d, np.maximum(np.abs(self.d), widest)
         self._follow_gap(step, HIDDEN * (h * self.widest[0] + np.abs(eps[1])), container)
@@ -154,11 +157,14 @@ class Strayed:
         """Take a step in whose displacement `hidden`, (N, M), may have any sign."""
         q = step.state.q
         gap = narrowest_gap(q, container.at(step.state.t))
-        if gap is None or gap.width <= 0.0:
-            return
-        gradient = gap_gradient(q, gap)
+        if gap is not None and gap.width > 0.0:
+            self.part = self._gap_bar(q, gap, hidden) / gap.width
+
+    def _gap_bar(self, q: Configuration, gap: SurfaceGap, hidden: Array | float = 0.0) -> float:
+        """The bar of the smallest gap, to which `hidden` may add by any sign."""
+        gradient, of_places = gap_gradient(q, gap), bars_of_places(q, self.e, self.farthest)
         least = self.part * gap.width + float(np.abs(gradient * hidden).sum())
-        self.part = gap_bar(gradient, self.e, least) / gap.width
+        return gap_bar(gradient, self.e, of_places, inf if gap.away is None else least)
 
     def _run(self, step: Step) -> Array:
         """What `run` shall be at the end of a step."""
@@ -229,7 +235,7 @@ class Strayed:
         """Of steps.csv: how far the smallest gap has strayed, and the time at which the run has it."""
         q, now = state.q, container.at(state.t)
         gap = narrowest_gap(q, now)
-        error = gap_bar(gap_gradient(q, gap), self.e, self.part * gap.width) if gap else 0.0
+        error = self._gap_bar(q, gap) if gap else 0.0
         rate = abs(gap_rate(q, state.U, now, lambda after: container.at(state.t + after)))
         return {"err_smallest_gap": error, "err_t": error / rate if rate > 0.0 else inf}
 
@@ -239,12 +245,12 @@ class Strayed:
         With mass those of velocities and loads too, which carry on what was missed before; without, they are
         those of the flow where the run has the bodies, and `errors` has what they miss there.
         """
-        of_places = _bars(q.arms, in_columns(q, self.e))
+        of_places = bars_of_places(q, in_columns(q, self.e), self.farthest)
         found = {f"err_{name}": e for name, e in zip(PLACES[q.dimension], of_places.T, strict=True)}
         if self.masses is None:
             return found
         of_velocities = np.maximum(errors.U, self._of_velocities(q))
-        of_loads = errors.F + _bars(1.0 / q.arms, self.loads * OF_CAUSES)
+        of_loads = errors.F + bars(1.0 / q.arms, self.loads * OF_CAUSES)
         found |= {f"err_{name}": error for name, error in zip(LOADS[q.dimension], of_loads.T, strict=True)}
         return found | {f"err_{name}": d for name, d in zip(MODES[q.dimension], of_velocities.T, strict=True)}
 
@@ -257,26 +263,18 @@ class Strayed:
 
     def _of_velocities(self, q: Configuration) -> Array:
         """How far velocities have strayed at most, (N, M)."""
-        return _bars(q.arms, self.widest * OF_CAUSES)
+        return bars(q.arms, self.widest * OF_CAUSES)
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """What must be restored, by name."""
         of_bodies = np.stack([self.e, self.d, self.run, self.last])
-        return {"strayed": of_bodies, "strayed_gap": np.array(self.part)}
+        return {"strayed": of_bodies, "strayed_gap": np.array(self.part), "farthest": self.farthest}
 
     def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `memory` gave."""
         self.e, self.d, self.run, self.last = memory["strayed"]
         self.part = float(memory["strayed_gap"])
-
-
-def _bars(arms: Array, distances: Array) -> Array:
-    """Of distances (2, N, M) by cause, (N, M); times their arms they are alike."""
-    of_elements, of_steps = np.abs(distances)
-    largest = (arms * of_steps).max(initial=0.0) / arms
-    hidden = np.where(of_steps > ROUNDING * largest, HIDDEN * largest, 0.0)  # none of what is given
-    bars: Array = of_elements + np.maximum(of_steps, hidden)
-    return bars
+        self.farthest = memory.get("farthest", np.abs(self.e[1]))  # runs of older versions have kept none
 
 
 def _per_cube(step: Step) -> Array:

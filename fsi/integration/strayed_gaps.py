@@ -8,9 +8,10 @@ cancel in truth, as where two bodies pass each other and grad s turns. But the s
     sum_k |ds/dq_k e_k|
 
 counts what moves both bodies alike: for two spheres that sink together it is hundreds of times too long. The
-bar lies between both. In narrow gaps s' is s times what depends little on s, so that the error of a gap stays
-about the same part of it while it closes and opens: a bar is no smaller part of its gap than at the step
-before. Each step adds to that part what may hide in what it and the elements miss of both bodies.
+bar lies between both; beside a wall, with which nothing moves alike, it is what bars of places allow. In
+narrow gaps s' is s times what depends little on s, so that the error of a gap stays about the same part of it
+while it closes and opens: a bar is no smaller part of its gap than at the step before. Each step adds to that
+part what may hide in what it and the elements miss of both bodies.
 """
 
 from collections.abc import Callable
@@ -41,10 +42,12 @@ def _along(gap: SurfaceGap, r: Array) -> Array:
     return along
 
 
-def gap_bar(gradient: Array, e: Array, least: float) -> float:
-    """How far a gap has strayed at distances e by cause, (2, N, M): no less than `least`, if that can be."""
-    parts = gradient * e
-    signed, most = np.abs(parts.sum(axis=(1, 2))).sum(), np.abs(parts).sum()
+def gap_bar(gradient: Array, e: Array, bars: Array, least: float) -> float:
+    """How far a gap has strayed at distances e by cause, (2, N, M): no less than `least`, if that can be.
+
+    bars: of the places, (N, M).
+    """
+    signed, most = np.abs((gradient * e).sum(axis=(1, 2))).sum(), np.sum(np.abs(gradient) * bars)
     return float(min(max(signed, least), most))
 
 

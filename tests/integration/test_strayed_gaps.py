@@ -17,7 +17,9 @@ from fsi.bodies.gaps import nearest_gaps
 from fsi.bodies.surface_gap import narrowest_gap
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StepErrors
-from fsi.integration.state import Instant
+from fsi.integration.evolution import Moment
+from fsi.integration.state import Instant, State
+from fsi.integration.strayed import Strayed
 from fsi.integration.strayed_gaps import gap_bar, gap_gradient
 from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.cell import Cell
@@ -58,9 +60,10 @@ def test_the_gradient_of_the_gap_is_what_its_differences_are(q: Configuration, c
 
 
 def test_a_bar_is_between_the_sum_and_the_sum_without_signs() -> None:
-    """Of 3 - 1 and 1: 3 and 5."""
+    """Of 3 - 1 and 1: 3, and with bars of places 4 and 1.5: 5.5."""
     gradient, e = np.array([[1.0, -1.0, 0.0]]), np.array([[[3.0, 1.0, 9.0]], [[1.0, 0.0, 9.0]]])
-    assert [gap_bar(gradient, e, least) for least in (0.0, 4.0, 6.0)] == [3.0, 4.0, 5.0]
+    bars = np.array([[4.0, 1.5, 9.0]])
+    assert [gap_bar(gradient, e, bars, least) for least in (0.0, 4.0, 6.0)] == [3.0, 4.0, 5.5]
 
 
 @dataclass
@@ -99,6 +102,14 @@ def pair(first: tuple[float, float], end: float, tolerance: float) -> Case:
     return with_bars(plane_case(bodies, end, tolerance=tolerance))
 
 
+def passed(first: tuple[float, float], tolerance: float) -> tuple[list[Moment], Array]:
+    """The steps of a run, and the exact distances at their ends, (2, steps)."""
+    case = pair(first, 8.0, tolerance)
+    run = moments(stepped(case, cast(Any, Passing(case))))[1:]
+    t = [one.state.t for one in run]
+    return run, solve_ivp(relative_velocity, (0.0, t[-1]), first, "DOP853", t, rtol=1e-11, atol=1e-12).y
+
+
 # The first distance and the tolerance; what errors were over bars of grad s . e alone.
 PASSES = [
     ((-2.2, 0.5), 3e-3),  # 91
@@ -113,26 +124,47 @@ def test_bars_of_the_gap_of_discs_that_pass_each_other_hold(
     first: tuple[float, float], tolerance: float
 ) -> None:
     """Errors are at most 0.70 of them, bars 0.05 of the gap; those without signs are up to 0.19 to 0.96."""
-    case = pair(first, 8.0, tolerance)
-    run = moments(stepped(case, cast(Any, Passing(case))))[1:]
-    t = [one.state.t for one in run]
-    exact = solve_ivp(relative_velocity, (0.0, t[-1]), first, "DOP853", t, rtol=1e-11, atol=1e-12).y
+    run, exact = passed(first, tolerance)
     gaps = np.array([one.record.smallest_gap for one in run])
     bars = np.array([one.record.columns["err_smallest_gap"] for one in run])
     assert np.all(np.abs(gaps - (np.hypot(*exact) - 2.0)) < 0.8 * bars)
     assert np.all(bars < 0.08 * gaps)
 
 
-def test_a_resumed_run_has_the_same_bar_of_the_gap() -> None:
-    """At step 30 of 50 grad s . e has been longer before."""
+def test_bars_of_places_that_pass_through_zero_hold() -> None:
+    """Of one disc relative to the middle; with the bars of each step alone y was off by 1.19 of one."""
+    run, exact = passed((-3.0, 1.5), 1e-2)
+    places = np.array([one.state.q.centres[0] - [0.0, 100.0] for one in run])
+    bars = np.array([[one.record.body_columns[f"err_{k}"][0] for k in "xy"] for one in run])
+    ratios = np.abs(places - 0.5 * exact.T) / bars
+    assert 0.3 < ratios.max() < 0.7
+
+
+def test_the_bar_of_a_gap_to_a_wall_is_that_of_the_height() -> None:
+    """Which alone it depends on, also where the distance along it hides what is missed across it."""
+    case = plane_case([{"name": "a", "radius": 1.0, "position": [0.0, 1.5]}], 1.0, tolerance=1e-2)
+    q, container = case.configuration(), case.container()
+    e, farthest = np.zeros((2, 1, 3)), np.array([[0.0, 3e-4, 0.0]])
+    e[1, 0] = [1e-3, 1e-7, 0.0]
+    strayed = Strayed(None, cast(Any, None), e=e, farthest=farthest)
+    none = ErrorEstimate(np.zeros((1, 3)), np.zeros((1, 3)))
+    height = strayed.body_columns(q, none)["err_y"][0]
+    state = State(0.0, 0, q, np.zeros((1, 3)), 1.0)
+    assert height == 3e-4
+    assert strayed.columns(state, container)["err_smallest_gap"] == pytest.approx(height, rel=1e-9)
+
+
+def test_a_resumed_run_has_the_same_bars_of_gap_and_places() -> None:
+    """At step 30 of 50 grad s . e has been longer before, and so has x."""
     case = pair((-2.2, 0.5), 8.0, 3e-3)
     first, again = (stepped(case, cast(Any, Passing(case))) for _ in range(2))
     state = first.start().state
     for _ in range(30):
         state = first.advance(state).state
     again.restore(first.memory())
-    bars = [one.advance(state).record.columns["err_smallest_gap"] for one in (first, again)]
-    assert bars[0] == bars[1]
+    ends = [one.advance(state).record for one in (first, again)]
+    assert ends[0].columns["err_smallest_gap"] == ends[1].columns["err_smallest_gap"]
+    assert ends[0].body_columns["err_x"].tolist() == ends[1].body_columns["err_x"].tolist()
 
 
 @dataclass
