@@ -71,8 +71,9 @@ def _require_ranges(asked: Wanted, spelled: Spelling) -> None:
     ):  # fmt: skip
         at_least = name in ("gap", "spread", "aligned")
         if not least <= value <= LARGEST or (value == least and not at_least) or 0.0 < value < SMALLEST:
-            bounds = f"above {least:g}, from {SMALLEST:g} to {LARGEST:g} in size"
-            raise InputError(f"{spelled(name, value)}: out of range; give a number {bounds}")
+            bounds = f"a number of {least:g} or more" if at_least else f"a number above {least:g}"
+            size = f"from {SMALLEST:g} to {LARGEST:g} in size"
+            raise InputError(f"{spelled(name, value)}: out of range; give {bounds}, {size}")
     if asked.fraction >= 1.0:
         given = spelled("area_fraction", asked.fraction)
         raise InputError(f"{given}: bodies cannot fill all; give a number below 1")

@@ -102,7 +102,7 @@ def test_the_help_names_what_may_be_given() -> None:
         ({"ratio": 3.0}, ["--ratio 3", "discs have none", "--shape ellipse"]),
         ({"shape": "rod", "ratio": 1.0}, ["--ratio 1", "above 1"]),
         ({"shape": "rod", "dimension": 3}, ["--shape rod", "--dimension 2"]),
-        ({"sizes": "bidisperse", "spread": 0.5}, ["--spread 0.5", "above 1"]),
+        ({"sizes": "bidisperse", "spread": 0.5}, ["--spread 0.5", "of 1 or more"]),
         ({"kind": "chains", "number": 10, "length": 4}, ["number = 10", "give 8"]),
         ({"kind": "chains", "number": 8, "angle": 0.0}, ["angle = 0", "take rows"]),
         ({"kind": "columns", "cell": "periodic"}, ["columns stand between walls"]),
