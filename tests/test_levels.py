@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fsi.case.case import MODELS
+from fsi.case.case import MODELS, Case
 from fsi.case.load import parse_case
 from fsi.cli.main import app
 from fsi.comparison.motion import case_at_levels
@@ -19,6 +20,8 @@ from fsi.levels import LEVELS, VISCOUS
 from fsi.models import EVOLUTIONS, INSTANTS, make_evolution
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run
+from fsi.studies.evaluate import at_instant
+from tests.commands import fsi_command
 
 ROOT = Path(__file__).parents[1]
 PUSH = {"times": [0.0, 2.0, 2.0], "values": [1.0, 1.0, -1.0]}
@@ -195,3 +198,29 @@ def test_what_steps_a_level_is_as_the_level_says() -> None:
     assert tuple(LEVELS) == MODELS
     assert tuple(INSTANTS) == VISCOUS
     assert {*INSTANTS, *EVOLUTIONS} == {*MODELS}
+
+
+class Carrying:
+    """A level without a flow: bodies move at U = 7 F, and gaps have no laws."""
+
+    def __init__(self, case: Case) -> None:
+        self.F = case.motion(0.0).F
+
+    def __call__(self, *_: object) -> Any:
+        return SimpleNamespace(U=7.0 * self.F, F=self.F, record={"power": 0.0}, dissipation=14.0)
+
+
+def test_a_level_without_a_flow_is_solved_by_what_it_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The registry decides: the network of gaps stood in for all of them, here with U below 1/10."""
+    push = [body | {"force": [1.0, 0.0]} for body in pair("reduced")["bodies"]]
+    case = parse_case(pair("reduced", bodies=push, fluid={"viscosity": 1.0}, reduced={"drag": 10.0}))
+    monkeypatch.setitem(INSTANTS, "reduced", Carrying)
+    assert at_instant(case, ["first.velocity.x"]).values["first.velocity.x"].value == 7.0
+    (tmp_path / "case.toml").write_text(case.as_toml())
+    assert fsi_command("solve", tmp_path / "case.toml", "--json") == 0
+    data = json.loads(capsys.readouterr().out)
+    assert (data["bodies"][0]["velocity"][0], data["contacts"]) == (7.0, [])
+    assert fsi_command("solve", tmp_path / "case.toml") == 0
+    assert "gap" not in capsys.readouterr().out

@@ -94,7 +94,7 @@ def _parsed(path: Path, kind: str, parse: Callable[[str], Any]) -> Any:
     try:
         return data_of(path, kind, parse, "give the path of a file, seen from the case file's folder")
     except InputError as error:
-        raise _refusal(path, str(error).removeprefix(f"{path}: ")) from None
+        raise _refusal(path, str(error.args[0]).removeprefix(f"{path}: ")) from None
 
 
 def _number(text: str) -> float | str:

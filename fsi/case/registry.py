@@ -6,8 +6,8 @@ registered by a decorator, also from outside this package.
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
@@ -16,15 +16,37 @@ from typing import Any, ClassVar, Literal, get_args, get_origin, override
 from pydantic import ValidationInfo
 from pydantic_core import PydanticCustomError
 
-from fsi.case.section import Section
-from fsi.errors import refuse_taken
-
-_ALIKE = 0.75  # of 1, of a misspelt word and the one that is meant
+from fsi.case.section import Section, hint_of_own
+from fsi.errors import FsiError, InputError, refuse_taken
 
 
 @cache
 def _files(room: str) -> tuple[str, ...]:
     return tuple(module.name for module in iter_modules(import_module(room).__path__))
+
+
+def _load(room: str, file: str) -> None:
+    """A file of a room is loaded. Raises InputError, which names it: it cannot be."""
+    try:
+        import_module(f"{room}.{file}")
+    except (FsiError, MemoryError):
+        raise  # the first of another file, which is named
+    except Exception as error:
+        here = f"{room.replace('.', '/')}/{file}.py"
+        raise InputError(f"{here}: {type(error).__name__}: {error}; mend it, or take it out") from error
+
+
+@contextmanager
+def blamed_on(section: Section) -> Iterator[None]:
+    """What a mistake in the code of a section raises names its class. Raises ValueError."""
+    try:
+        yield
+    except (FsiError, ValueError, MemoryError):
+        raise  # meant for whoever gave the data
+    except Exception as error:
+        kind = type(section)
+        what = f"{kind.__module__}.{kind.__qualname__}: {type(error).__name__}: {error}"
+        raise ValueError(f"{what}; mend that class") from error
 
 
 class Registry[S: Section]:
@@ -43,16 +65,16 @@ class Registry[S: Section]:
         self.sections: list[type[S]] = []
 
     def all(self) -> Sequence[type[S]]:
-        """The classes, all files of the room loaded."""
+        """The classes, all files of the room loaded. Raises InputError: one cannot be."""
         for file in _files(self.room):
-            import_module(f"{self.room}.{file}")
+            _load(self.room, file)
         return self._loaded()
 
     def _load_file(self, word: Any) -> None:
-        """The file with the name of a word is loaded, if there is one."""
+        """The file with the name of a word is loaded, if there is one. Raises InputError: it cannot be."""
         file = str(word).replace("-", "_")
         if file in _files(self.room):
-            import_module(f"{self.room}.{file}")
+            _load(self.room, file)
 
     def _loaded(self) -> Sequence[type[S]]:
         """The classes that are loaded."""
@@ -65,8 +87,10 @@ class Registry[S: Section]:
         """Take a section up, in place of the same one where that is loaded anew; a decorator.
 
         Two may have one word, like a box and a channel, where the later one has all keys of the other and
-        more. Raises ValueError: no key tells it from another one.
+        more. Raises ValueError: no key tells it from another one, or it lacks a method that all have.
         """
+        if lacking := sorted(section.__abstractmethods__):
+            raise ValueError(f"{section.__qualname__} lacks {', '.join(lacking)}")
         known: list[type[Any]] = self.sections
         self._load_file(_words(section).get(self.key))  # which may have the word already
         for k, other in enumerate(known):
@@ -109,9 +133,7 @@ class Registry[S: Section]:
         self._load_file(word)
         if word in self._words_of(self._loaded()) or word in (words := self._words_of(self.all())):
             return
-        meant = difflib.get_close_matches(str(word), words, n=1, cutoff=_ALIKE)
-        own = "" if meant else "; one of your own must be registered first (docs/layout.md)"
-        context = {"key": self.key, "remedy": f"give {self.choices}{own}"}
+        context = {"key": self.key, "remedy": f"give {self.choices}{hint_of_own(str(word), words)}"}
         raise PydanticCustomError("unknown_word", "not one of the choices", context)
 
     def _words_of(self, sections: Sequence[type[S]]) -> list[str]:

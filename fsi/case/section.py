@@ -33,6 +33,7 @@ Text = Annotated[str, Field(min_length=1)]
 Name = Annotated[str, Field(pattern=r"^\w[\w -]*$")]
 
 _LONGEST_VALUE = 60
+_ALIKE = 0.75  # of 1, of a misspelt word and the one that is meant
 _DECIMAL = 10_000  # bits of a whole number; of many more Python writes no digits
 
 
@@ -163,6 +164,12 @@ def words_like(word: str, known: Iterable[str]) -> list[str]:
     """The known word that looks like `word`, or all of them if none does."""
     known = list(known)
     return difflib.get_close_matches(str(word), known, n=1) or known  # a key in Python may be a number
+
+
+def hint_of_own(word: str, known: Iterable[str]) -> str:
+    """What a remedy ends with where a word looks like no known one, as that of an entry of the user's own."""
+    meant = difflib.get_close_matches(word, list(known), n=1, cutoff=_ALIKE)
+    return "" if meant else "; one of your own must be registered first (docs/layout.md)"
 
 
 def nearest_word(word: str, known: Iterable[str]) -> str:

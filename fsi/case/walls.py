@@ -17,8 +17,9 @@ from pydantic import (
     Tag,
     ValidationInfo,
 )
+from pydantic_core import PydanticCustomError
 
-from fsi.case.section import Positive, Section, nearest_word
+from fsi.case.section import Positive, Section, hint_of_own, nearest_word
 from fsi.case.series import Series, Table, kinks, value_at
 from fsi.case.wall_velocity import WallVelocity
 from fsi.errors import refuse_taken
@@ -226,10 +227,17 @@ class SlidingWall(WallSection):
 
 
 def _read(value: Any, info: ValidationInfo) -> Any:
-    """The section whose key a table has first, or one that looks most like it; a section as it is."""
+    """The section whose key a table has first, or one that it looks like; a section as it is.
+
+    Raises pydantic's error for a key that looks like none.
+    """
     if not isinstance(value, dict):
         return value
-    section = _SECTIONS[nearest_word(str(next(iter(value), "pressure")), _SECTIONS)]
+    first = str(next(iter(value), "pressure"))
+    if own := hint_of_own(first, _SECTIONS):
+        context = {"key": first, "remedy": f"give {wall_forms()}{own}"}
+        raise PydanticCustomError("unknown_word", "no such condition", context)
+    section = _SECTIONS[nearest_word(first, _SECTIONS)]
     return section.model_validate(value, context=info.context)
 
 

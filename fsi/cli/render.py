@@ -40,7 +40,11 @@ def render(
     size: Annotated[int, option("Pixels of a panel's width.", min=100)] = 1000,
     plane: Annotated[
         str | None,
-        option("In space, which plane is shown.", "y = that of the bodies", metavar="x=X|y=Y|z=Z"),
+        option(
+            "In space, on which plane a field of the fluid is shown.",
+            "y = that of the bodies",
+            metavar="x=X|y=Y|z=Z",
+        ),
     ] = None,
     revolved: Annotated[
         bool, option("Show an axisymmetric flow in space, turned half around its axis.")

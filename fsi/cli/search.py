@@ -12,7 +12,7 @@ import typer
 
 import fsi.parallel as parallel
 from fsi.case.quantities import names_of_quantities
-from fsi.cli.arguments import AsJson, CaseFile, Overrides, option, output_to, require_writable
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, option, output_to, require_writable, warn
 from fsi.errors import InputError, SolveError
 from fsi.files import json_text
 from fsi.report.console import standard_output
@@ -44,7 +44,8 @@ def search(
     """Find a case in which a quantity has a given value, by changing one key.
 
     The target is reached where the quantity differs from it by no more than half a unit of its last digit:
-    2.45 takes 2.445 to 2.455. One that is out of reach is refused, with the range that was reached.
+    2.45 takes 2.445 to 2.455. One that is out of reach is refused, with the range that was reached. A note
+    tells where the error bar of what is found is larger than that.
     """
     from fsi.case.load import case_data, saved_data
     from fsi.report.progress import counting
@@ -80,6 +81,17 @@ def search(
         print_search(standard_output(), key, quantity, wanted.trials)
     if output is not None and not as_json:
         typer.echo(f"wrote {output}")
+    if found.error is not None and found.error > tolerance:
+        warn(_wide(found.error, tolerance))
+
+
+def _wide(error: float, tolerance: float) -> str:
+    """What is said of an error bar beyond the digits of the target."""
+    return (
+        f"the error bar {error:.0e} is {error / tolerance:.2g} times {tolerance:g}, half a unit of the last "
+        "digit of the target; give fewer digits or, for a narrower one, more pores.modes, a finer mesh or a "
+        "tolerance"
+    )
 
 
 def _interval(text: str) -> tuple[str, float, float]:

@@ -59,7 +59,7 @@ def solve(
     """
     case = load(case_file, overrides)
     if not case.level.flow:
-        _solve_reduced(case, as_json=as_json)
+        _solve_without_flow(case, as_json=as_json)
         return
     with loading():
         from fsi.models import flow_solvers, make_model
@@ -81,14 +81,12 @@ def solve(
         show.print_solution(standard_output(), case, found, solved.errors, truncated)
 
 
-def _solve_reduced(case: Case, *, as_json: bool) -> None:
-    """Without inertia, as the resolved model is solved."""
-    from fsi.models import require_instant
-    from fsi.reduced.model import ReducedModel
+def _solve_without_flow(case: Case, *, as_json: bool) -> None:
+    """Without inertia, as the resolved model is solved. Raises InputError: its level has no instant."""
+    from fsi.models import make_model
     from fsi.report.network import instant_json, print_instant
 
-    require_instant(case)
-    found = ReducedModel(case)(case.configuration(), 0.0)
+    found = make_model(case)(case.configuration(), 0.0)
     if parallel.is_root() and as_json:
         typer.echo(json_text(instant_json(case, found)))
     elif parallel.is_root():

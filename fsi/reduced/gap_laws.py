@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from fsi.arrays import Array
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
+from fsi.case.section import hint_of_own
 from fsi.errors import InputError, SolveError
 from fsi.lubrication.expansions import MODES, Mode, Shape, overlap_of, ratio_of
 from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError
@@ -257,7 +258,7 @@ class _Asked:
         if not Path(self.name).is_file():
             problem = "is a folder" if Path(self.name).is_dir() else "there is no such law"
             remedy = f"give {names_of_laws(self.mode)} or the path of a law file"
-            raise InputError(f"{self._here}: {problem}; {remedy}")
+            raise InputError(f"{self._here}: {problem}; {remedy}{hint_of_own(self.name, LAWS)}")
         file = read_law_file(Path(self.name))
         if not file.suits(self._shape, self.mode):
             raise InputError(

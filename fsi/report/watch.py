@@ -8,6 +8,7 @@ from zlib import crc32
 
 from rich.console import Console
 
+from fsi.case.arguments import told_as
 from fsi.errors import InputError
 from fsi.files import content
 from fsi.run_folder.checkpoint import read_checkpoint
@@ -22,12 +23,13 @@ def follow(console: Console, folder: Path, end: float, contact_gap: float | None
 
     Raises InputError as `complete_rows`, and where someone has changed the case.
     """
-    require_as_begun(folder)
     spent = 0.0
-    for rows in arrivals(folder, end, contact_gap, once=once):
-        for row in rows:
-            spent += row.get("cpu_step", nan)
-            console.print(line(row, end, spent), highlight=False)
+    with told_as("run"):
+        require_as_begun(folder)
+        for rows in arrivals(folder, end, contact_gap, once=once):
+            for row in rows:
+                spent += row.get("cpu_step", nan)
+                console.print(line(row, end, spent), highlight=False)
 
 
 def arrivals(

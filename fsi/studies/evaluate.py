@@ -16,9 +16,8 @@ from fsi.case.case import Case
 from fsi.case.checks.expected import check_quantity
 from fsi.case.quantities import NUMBERS, gap_of, is_quantity, is_time, names_of_quantities
 from fsi.errors import FsiError, InputError, SolveError
-from fsi.models import flow_solvers, require_instant
+from fsi.models import flow_solvers, make_model
 from fsi.observables.quantities import component, computed, time_at
-from fsi.reduced.model import ReducedModel
 from fsi.run_folder.kept import BODIES, CASE, STEPS
 from fsi.runs import resume, run
 from fsi.studies.means import energy_relaxed, mean_dissipation, mean_over_time, require_enough
@@ -61,8 +60,7 @@ def at_instant(case: Case, quantities: Iterable[str]) -> Evaluation:
     Raises InputError, SolveError: the case cannot be solved.
     """
     if not case.level.flow:
-        require_instant(case)
-        instant = ReducedModel(case)(case.configuration(), 0.0)
+        instant = make_model(case)(case.configuration(), 0.0)
         return _evaluated(quantities, lambda name: FoundValue(computed(case, instant, name)))
     solved = flow_solvers(case).solve(case)
 

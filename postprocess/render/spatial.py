@@ -46,6 +46,8 @@ class SpatialArtist(FlowArtist):
             raise InputError(
                 "render: give --gap or --plane, not both; a gap has the plane of its line of centres"
             )
+        if choice.plane is not None and all(field.on_bodies for field in self.fields):
+            raise InputError(f"--plane {choice.plane}: {names[0]} is seen on whole bodies; drop it")
         if len(run.case.container().periods):
             if self.sides is not None:
                 raise InputError(f"--gap {choice.gap}: gaps across periods in space are not drawn; drop it")

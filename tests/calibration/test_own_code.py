@@ -24,7 +24,7 @@ from my_widths import WIDTH
 
 @register_shape
 class Upright(Ellipse):
-    kind: Literal["upright"]
+    kind: Literal["upright-of-tests"]
 """
 
 
@@ -41,7 +41,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
         del sys.modules[name]
 
 
-def pair(kind: str = "upright") -> Pair:
+def pair(kind: str = "upright-of-tests") -> Pair:
     body = {"name": "egg", "position": [0.0, 2.0], "shape": {"kind": kind, "axes": [1.0, 0.5]}}
     data = {"name": "own", "fluid": {"viscosity": 1.0}, "domain": {"shape": "half-plane", "radius": 1e3}}
     plan = {"pair": ["egg", "plane"], "range": [1e-2, 1e-1], "samples": 6}

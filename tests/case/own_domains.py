@@ -97,7 +97,7 @@ class Annulus(Container):
 
 
 class ElbowDomain(Walled):
-    shape: Literal["elbow"]
+    shape: Literal["elbow-of-tests"]
     length: float = Field(gt=0.0, description="the outer side, a number > 0")
     width: float = Field(gt=0.0, description="the width of the arms, a number > 0")
 
@@ -112,7 +112,7 @@ class ElbowDomain(Walled):
 
 
 class AnnulusDomain(Walled):
-    shape: Literal["annulus"]
+    shape: Literal["annulus-of-tests"]
     inner: float = Field(gt=0.0, description="the inner radius, a number > 0")
     outer: float = Field(gt=0.0, description="the outer radius, a number > 0")
 

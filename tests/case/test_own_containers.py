@@ -31,8 +31,8 @@ from fsi.stokes.model import StokesModel
 from fsi.stokes.walls import singular_corners
 from tests.case.own_domains import Annulus, AnnulusDomain, Elbow, ElbowDomain
 
-L = {"shape": "elbow", "length": 6.0, "width": 3.0}
-RING = {"shape": "annulus", "inner": 1.0, "outer": 4.0}
+L = {"shape": "elbow-of-tests", "length": 6.0, "width": 3.0}
+RING = {"shape": "annulus-of-tests", "inner": 1.0, "outer": 4.0}
 HELD = {
     "name": "hole",
     "radius": 1.0,
@@ -98,7 +98,7 @@ def test_a_container_agrees_with_itself(
     """All of these were accepted, or refused with an untrue remedy."""
     disc_in(L, [1.5, 1.5])
     monkeypatch.setattr(Elbow, answer, wrong)
-    with pytest.raises(InputError, match=rf'domain\.shape = "elbow": its .*{fault}'):
+    with pytest.raises(InputError, match=rf'domain\.shape = "elbow-of-tests": its .*{fault}'):
         disc_in(L, [1.5, 1.5])
 
 
@@ -173,7 +173,7 @@ def test_laws_below_a_gap_take_it_for_that_body_too() -> None:
 
 def test_meshes_beside_it_are_estimated_by_the_curvature_of_its_gap() -> None:
     """1/a + 1/R on the inner circle, 1/a - 1/R within the outer one."""
-    case = disc_in({"shape": "annulus", "inner": 1.0, "outer": 2.2}, [1.6, 0.0])
+    case = disc_in({"shape": "annulus-of-tests", "inner": 1.0, "outer": 2.2}, [1.6, 0.0])
     found = narrows(case, find_gaps(case.configuration(), case.container()))
     np.testing.assert_allclose(found.curvature, [3.0, 2.0 - 1.0 / 2.2], rtol=1e-14)
 

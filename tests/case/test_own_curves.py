@@ -20,7 +20,7 @@ from fsi.meshes.geometry.relief import Heights
 class Wrong(BodyShape):
     """The unit circle, but for what is wrong with it."""
 
-    kind: Literal["wrong"]
+    kind: Literal["wrong-of-tests"]
     how: str
     """a word"""
 
@@ -41,6 +41,8 @@ class Wrong(BodyShape):
                     return Jet(x, 0.0 * dx, ddx)
                 case "ddx":
                     return Jet(x, dx, 2.0 * ddx)
+                case "misspelt":
+                    return Jet(x, dx, ddx * self.hwo)  # type: ignore[attr-defined]
             return Jet(x, dx, ddx)
 
         return jet
@@ -49,7 +51,7 @@ class Wrong(BodyShape):
 class WrongWall(WallProfile):
     """A hump (1 + cos(pi s)) / 8 for -1 <= s <= 1, but for what is wrong with it."""
 
-    kind: Literal["wrong"]
+    kind: Literal["wrong-of-tests"]
     how: str
     """a word"""
 
@@ -64,6 +66,8 @@ class WrongWall(WallProfile):
 
         def at(s: Array) -> tuple[Array, Array, Array]:
             c, k = np.cos(np.pi * s), np.pi
+            if self.how == "scalar":
+                return 0.0  # type: ignore[return-value]
             h, along = 0.125 * (1.0 + c) + step, -0.125 * k * np.sin(np.pi * s)
             return h + slope * (s + 1.0), dh * along + slope, -ddh * 0.125 * k**2 * c
 
@@ -73,7 +77,7 @@ class WrongWall(WallProfile):
 class Edged(WallProfile):
     """h = (g(s - 1/2) + g(s + 1/2)) / 2 - g(s), g = sqrt(s^2 + bend^2): a roof with three sharp bends."""
 
-    kind: Literal["edged"]
+    kind: Literal["edged-of-tests"]
     bend: float
     """the radius of its bends, a number > 0"""
     sign: float = 1.0
@@ -124,13 +128,14 @@ def case(shape: dict[str, Any] | None = None, profile: dict[str, Any] | None = N
         ("dx", "has derivatives that are not those of its points"),
         ("zero", "has derivatives that are not those of its points"),
         ("ddx", "has derivatives that are not those of its points"),
+        ("misspelt", "test_own_curves.Wrong: AttributeError: 'Wrong' object .* 'hwo'; mend that class$"),
     ],
 )
 def test_a_wrong_curve_is_refused(how: str, fault: str) -> None:
     """With the columns of dx swapped the force of a unit disc was a tenth off, and no error bar said so."""
-    case({"kind": "wrong", "how": "nothing"})
+    case({"kind": "wrong-of-tests", "how": "nothing"})
     with pytest.raises(InputError, match=rf"bodies\.0\.shape = .*{fault}"):
-        case({"kind": "wrong", "how": how})
+        case({"kind": "wrong-of-tests", "how": how})
 
 
 @pytest.mark.parametrize(
@@ -141,17 +146,18 @@ def test_a_wrong_curve_is_refused(how: str, fault: str) -> None:
         ("slope", "a step or a slope"),
         ("dh", "has derivatives that are not those of its heights"),
         ("ddh", "has derivatives that are not those of its heights"),
+        ("scalar", "test_own_curves.WrongWall: TypeError: 'float' object is not iterable; mend that class$"),
     ],
 )
 def test_wrong_heights_are_refused(how: str, fault: str) -> None:
     """Meshes failed of a step or slope; with h'' of the wrong sign a solve took minutes."""
-    case(profile={"kind": "wrong", "how": "nothing"})
+    case(profile={"kind": "wrong-of-tests", "how": "nothing"})
     with pytest.raises(InputError, match=rf"domain\.profiles\.bottom = .*{fault}"):
-        case(profile={"kind": "wrong", "how": how})
+        case(profile={"kind": "wrong-of-tests", "how": how})
 
 
 def test_sharp_bends_are_no_fault() -> None:
     """Between evenly spaced places, 4e-3 apart, differences tell nothing of derivatives in them."""
-    case(profile={"kind": "edged", "bend": 1e-4})
+    case(profile={"kind": "edged-of-tests", "bend": 1e-4})
     with pytest.raises(InputError, match="derivatives that are not those of its heights"):
-        case(profile={"kind": "edged", "bend": 1e-4, "sign": -1.0})
+        case(profile={"kind": "edged-of-tests", "bend": 1e-4, "sign": -1.0})

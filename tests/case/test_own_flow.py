@@ -99,6 +99,7 @@ def test_a_free_disc_goes_with_it_where_it_is_reduced(domain: dict[str, Any]) ->
         (CHANNEL | {"walls": {"top": {"shear": 1.0}}}, "pores", r"walls slide along themselves; give \[u_x"),
         (BOX | {"walls": given_at("left")}, "resolved", "walls.left = .*the net flux .* is 64 at"),
         (BOX | {"walls": {"top": {"extensoin": 1.0}}}, "resolved", "use domain.walls.top.extension"),
+        (BOX | {"walls": {"top": {"turning": 1.0}}}, "resolved", "turning = 1.0: no .*; one of your own"),
         (BOX | {"walls": {"top": "shut"}}, "resolved", r"channel, .* or \{extension = rate\}$"),
     ],
 )  # fmt: skip

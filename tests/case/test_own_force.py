@@ -21,7 +21,7 @@ from fsi.gluey.system import gluey_system
 class Ramp(ForceSection):
     """Pulls each body by itself to the right, as heavy as it may be."""
 
-    law: Literal["ramp"]
+    law: Literal["ramp-of-tests"]
     start: float = Field(default=0.0, description="the force at time 0, a number")
     rate: float = Field(default=0.0, description="by which it grows in time, a number")
 
@@ -33,7 +33,7 @@ class Ramp(ForceSection):
 class Logarithm(ForceSection):
     """Draws bodies by ln d, which is minus infinity where they touch, up to a gap."""
 
-    law: Literal["logarithm"]
+    law: Literal["logarithm-of-tests"]
     end: float = Field(description="the gap beyond which there is no force, a number")
 
     @property
@@ -71,30 +71,30 @@ def gluey_discs(*forces: dict[str, Any], **more: Any) -> Case:
 @pytest.mark.parametrize(("force", "impulse"), [({"start": 3.0}, 1.2), ({"rate": 3.0}, 0.48)])
 def test_a_gluey_step_takes_the_force_on_each_body(force: dict[str, float], impulse: float) -> None:
     """From 0.2 to 0.6 the integral of 3 is 1.2 and that of 3 t is 0.48; none on what is held."""
-    case = gluey_discs({"law": "ramp"} | force)
+    case = gluey_discs({"law": "ramp-of-tests"} | force)
     load = gluey_system(case).load(case.configuration().centres, 0.2, 0.6)
     np.testing.assert_allclose(load, [[0.0, 0.0, 0.0], [impulse, 0.0, 0.0]], rtol=1e-14)
 
 
 def test_the_limit_of_one_gap_refuses_what_is_no_table() -> None:
     with pytest.raises(InputError, match=r"^forces\.0 = .*ramp.*: no weight, .*; give bodies their force"):
-        one_gap(gluey_discs({"law": "ramp", "start": 3.0}))
+        one_gap(gluey_discs({"law": "ramp-of-tests", "start": 3.0}))
 
 
 def test_a_law_that_reaches_beyond_the_images_is_refused() -> None:
     """In a square cell of side 8 images are looked for up to sqrt(2) 8 = 11.3137; others were left out."""
     cell = {"shape": "cell", "vectors": [[8.0, 0.0], [0.0, 8.0]]}
-    gluey_discs({"law": "logarithm", "end": 11.31}, domain=cell)
+    gluey_discs({"law": "logarithm-of-tests", "end": 11.31}, domain=cell)
     refusal = r"^forces\.0\.reach = 11\.32: reaches farther .*; end it at a gap of 11\.3137 or less$"
     with pytest.raises(InputError, match=refusal):
-        gluey_discs({"law": "logarithm", "end": 11.32}, domain=cell)
+        gluey_discs({"law": "logarithm-of-tests", "end": 11.32}, domain=cell)
 
 
 def test_a_force_that_is_no_number_is_that_of_its_law() -> None:
     """The second of two: ln 0 where discs touch, when a step begins; an infinite pull, in its middle."""
     line = r"^forces\.1: gives a force that is no finite number at t = "
-    case = gluey_discs({"law": "ramp", "rate": 1.0}, {"law": "logarithm", "end": 1.0})
-    infinite = Ramp.model_construct(law="ramp", start=np.inf)
+    case = gluey_discs({"law": "ramp-of-tests", "rate": 1.0}, {"law": "logarithm-of-tests", "end": 1.0})
+    infinite = Ramp.model_construct(law="ramp-of-tests", start=np.inf)
     pulled = case.model_copy(update={"forces": (case.forces[0], infinite)})
     for wrong, t in ((case, r"0\.2;"), (pulled, r"0\.4;")):
         with pytest.raises(SolveError, match=line + t):

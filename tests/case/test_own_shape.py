@@ -61,7 +61,7 @@ class Triangle(Container):
 
 
 class TriangleDomain(Walled):
-    shape: Literal["triangle"]
+    shape: Literal["triangle-of-tests"]
     radius: float = Field(gt=0.0, description="the radius of the inscribed circle, a number > 0")
     corners: Literal["sharp"] = Field(default="sharp", description='"sharp"')
 
@@ -78,7 +78,7 @@ class TriangleDomain(Walled):
 class Spring(ForceSection):
     """Pulls each body by itself, as heavy as it may be, to the right."""
 
-    law: Literal["spring"]
+    law: Literal["spring-of-tests"]
     pull: float = Field(description="the force, a number")
 
     @override
@@ -100,7 +100,7 @@ def in_triangle(velocity: list[Any], **domain: Any) -> Case:
     data = {
         "name": "in a triangle",
         "fluid": {"viscosity": 1.0},
-        "domain": {"shape": "triangle", "radius": 1.3} | domain,
+        "domain": {"shape": "triangle-of-tests", "radius": 1.3} | domain,
         "bodies": [disc],
         "discretisation": {"cells_per_circle": 24, "growth": 0.5},
         "reduced": {"drag": 10.0},
@@ -131,8 +131,10 @@ def test_its_walls_are_checked_like_those_of_all_shapes() -> None:
 
 
 def test_it_is_known_by_name_and_by_its_keys() -> None:
-    with pytest.raises(InputError, match=r'domain\.shape = "tringle": .*; give "box", .* or "triangle"'):
-        in_triangle([0.0, 0.0], shape="tringle", corners="sharp")
+    with pytest.raises(
+        InputError, match=r'domain\.shape = "tringle-of-tests": .*; give "box", .* or "triangle-of-tests"'
+    ):
+        in_triangle([0.0, 0.0], shape="tringle-of-tests", corners="sharp")
     with pytest.raises(InputError, match=r'domain\.corners = "round": not one of the choices; give "sharp"'):
         in_triangle([0.0, 0.0], corners="round")
 
@@ -144,8 +146,10 @@ def test_a_case_with_it_is_written_and_read_again() -> None:
 
 def test_a_law_of_force_from_outside() -> None:
     case = in_triangle(["free", "free"])
-    data = case.model_dump(exclude_none=True) | {"forces": ({"law": "spring", "pull": 3.0},)}
+    data = case.model_dump(exclude_none=True) | {"forces": ({"law": "spring-of-tests", "pull": 3.0},)}
     case = parse_case(data)
     np.testing.assert_array_equal(case.motion_at(case.configuration(), 0.0).F, [[3.0, 0.0, 0.0]])
-    with pytest.raises(InputError, match=r'forces\.0\.law = "sprung": .*"power", .* or "spring"'):
-        parse_case(data | {"forces": ({"law": "sprung", "pull": 3.0},)})
+    with pytest.raises(
+        InputError, match=r'forces\.0\.law = "sprung-of-tests": .*"power", .* or "spring-of-tests"'
+    ):
+        parse_case(data | {"forces": ({"law": "sprung-of-tests", "pull": 3.0},)})

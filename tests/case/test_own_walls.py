@@ -27,7 +27,7 @@ from fsi.stokes.model import StokesModel
 class LateDomain(Walled):
     """Its key decides the walls, and stands after them: pydantic takes the keys of base classes first."""
 
-    shape: Literal["late"]
+    shape: Literal["late-of-tests"]
     radius: float = Field(gt=0.0, description="half a side, a number > 0")
     sides: int = Field(default=2, description="how many walls wall_names knows of, a whole number")
 
@@ -93,7 +93,7 @@ class Ring(Container):
 
 
 class RingDomain(Walled):
-    shape: Literal["ring"]
+    shape: Literal["ring-of-tests"]
     radius: float = Field(gt=0.0, description="the radius, a number > 0")
     told: str = Field(default="solid", description="what its wall follows, a word")
 
@@ -126,9 +126,9 @@ def test_a_key_that_decides_the_walls_is_known_before_them() -> None:
     """It ended in an error of `zip`."""
     with pytest.raises(
         InputError,
-        match=r'shape = "late": .*walls left, right, bottom, top, its wall_names left, right; .* base class',
+        match=r'shape = "late-of-tests": .*walls left, right, bottom, top, its wall_names left, right; ',
     ):
-        moving(1.0, shape="late", sides=4)
+        moving(1.0, shape="late-of-tests", sides=4)
 
 
 @pytest.mark.parametrize(
@@ -138,9 +138,9 @@ def test_a_key_that_decides_the_walls_is_known_before_them() -> None:
 def test_a_curved_wall_says_what_it_follows(told: str, fault: str) -> None:
     """It was meshed as a polygon, with a force 0.9 % off and nothing said."""
     with pytest.raises(
-        InputError, match=rf'domain\.shape = "ring": a piece of its wall \'rim\' {fault}.*centre'
+        InputError, match=rf'domain\.shape = "ring-of-tests": a piece of its wall \'rim\' {fault}.*centre'
     ):
-        moving(1.0, shape="ring", told=told)
+        moving(1.0, shape="ring-of-tests", told=told)
 
 
 def test_a_curved_wall_has_the_same_flow_in_all_units() -> None:
@@ -149,7 +149,7 @@ def test_a_curved_wall_has_the_same_flow_in_all_units() -> None:
     4 pi / (ln k - (k^2 - 1) / (k^2 + 1)) with k = 3. The wall was a polygon in all units but one, which gave
     1e-2 more.
     """
-    cases = [moving(a, shape="ring") for a in (1.0, 0.5)]
+    cases = [moving(a, shape="ring-of-tests") for a in (1.0, 0.5)]
     F = [StokesModel(case)(case.configuration(), 0.0).F[0, 0] for case in cases]
     np.testing.assert_allclose(F, 4.0 * np.pi / (np.log(3.0) - 0.8), rtol=1e-5)
 

@@ -108,7 +108,7 @@ def test_a_shape_of_walls_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     class Bump(WallProfile):
         """(1 - x^2)^2."""
 
-        kind: Literal["bump"]
+        kind: Literal["bump-of-tests"]
 
         @override
         def heights(self) -> Heights:
@@ -117,6 +117,6 @@ def test_a_shape_of_walls_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
 
             return Heights((-1.0, 1.0), (), at)
 
-    case = profiled({"kind": "bump"}, bodies=[])
+    case = profiled({"kind": "bump-of-tests"}, bodies=[])
     assert case.container().volume == pytest.approx(128.0 - 16.0 / 15.0, rel=1e-13)
     assert case.container().distances(np.array([[0.0, 1.5]]))[0, 2] == pytest.approx(0.5, rel=1e-12)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from pathlib import Path
+from typing import Any, Literal, cast
 
 import pytest
 
 from fsi.case.registry import Registered, Registry
+from fsi.case.shapes.shape import BodyShape
+from fsi.errors import InputError
 from tests.scripts import script
 
 
@@ -77,3 +80,38 @@ def test_what_is_loaded_anew_takes_its_own_place(registry: Registry[Any]) -> Non
     changed = type("Built", (Built,), {"__module__": Built.__module__, "__qualname__": Built.__qualname__})
     registry.register(changed)
     assert registry.all() == [changed]
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("def (", "SyntaxError: invalid syntax (mine.py, line 1)"),
+        ("import none_of_tests", "ModuleNotFoundError: No module named 'none_of_tests'"),
+        ("raise OSError('1\\n2')", "OSError: 1 2"),
+    ],
+)
+def test_a_file_that_cannot_be_loaded_is_named(
+    lines: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each was a defect of the program, of all commands that list what there is."""
+    (tmp_path / tmp_path.name).mkdir()  # a room of its own for each test
+    for file, text in (("__init__", ""), ("mine", lines)):
+        (tmp_path / tmp_path.name / f"{file}.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    registry = Registry[Any]("kind", tmp_path.name)
+    line = f"{tmp_path.name}/mine.py: {said}; mend it, or take it out"
+    for load in (registry.all, lambda: registry.section_for({"kind": "mine"})):
+        with pytest.raises(InputError) as told:
+            load()
+        assert str(told.value) == line
+
+
+def test_what_lacks_a_method_that_all_have_is_refused(registry: Registry[Any]) -> None:
+    """It was taken, and failed as a case had it."""
+
+    class Blank(BodyShape):
+        kind: Literal["blank-of-tests"]
+
+    with pytest.raises(ValueError, match=r"Blank lacks curve$"):
+        registry.register(cast(Any, Blank))
+    assert registry.all() == [Built]

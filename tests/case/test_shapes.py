@@ -59,7 +59,7 @@ def test_a_case_with_shapes_is_written_and_read_again() -> None:
     ("shape", "message"),
     [
         ({"kind": "elipse", "axes": [2.0, 1.0]}, r'shape\.kind = "elipse": .*"ellipse".*"tip"$'),
-        ({"kind": "egg", "a": 1.0}, r'kind = "egg": .*"tip"; one of your own must be registered first'),
+        ({"kind": "egg-of-tests", "a": 1.0}, r'"egg-of-tests": .*"tip"; one of your own must be registered'),
         ({"kind": "ellipse", "axes": [2.0, 0.0]}, r"shape\.axes.* = 0\.0: must be greater than 0"),
         ({"kind": "ellipse", "axis": 1.0}, r"shape\.axis = 1\.0: unknown key; use bodies\.0\.shape\.axes"),
         ({"kind": "ellipse", "axes": [1.0, 1e-6]}, "too slender or too jagged; give one that is rounder$"),
@@ -278,7 +278,7 @@ def test_a_shape_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     class Egg(BodyShape):
         """r = a (1 + cos(theta) / 4)."""
 
-        kind: Literal["egg"]
+        kind: Literal["egg-of-tests"]
         size: Positive
         """the mean radius, a number > 0"""
 
@@ -292,7 +292,7 @@ def test_a_shape_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
 
             return polar(radius)
 
-    case = shaped({"kind": "egg", "size": 2.0})
+    case = shaped({"kind": "egg-of-tests", "size": 2.0})
     assert case.configuration().volumes[0] == pytest.approx(4.0 * np.pi * (1.0 + 1.0 / 32.0), rel=1e-13)
-    with pytest.raises(InputError, match=r'bodies\.0\.shape\.kind = "eg": .*or "egg"'):
-        shaped({"kind": "eg", "size": 2.0})
+    with pytest.raises(InputError, match=r'bodies\.0\.shape\.kind = "eg-of-tests": .*or "egg-of-tests"'):
+        shaped({"kind": "eg-of-tests", "size": 2.0})

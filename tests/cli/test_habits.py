@@ -114,7 +114,7 @@ def test_a_damaged_run_is_not_watched(
     table.write_bytes(damage(table.read_bytes()))
     assert fsi_command("watch", folder, "--once") == 2
     told = capfd.readouterr()
-    assert f"a file is damaged (steps.csv: {words}" in told.err
+    assert told.err.startswith(f"error: run = {folder}: a file is damaged (steps.csv: {words}")
     assert (told.err.count("\n"), told.out) == (1, "")
 
 

@@ -172,7 +172,8 @@ HELD = heap()[0] | {"force": [0.0, 0.0], "velocity": [0.0, 0.0], "angular_veloci
         ({}, {}, r"^reduced\.drag: missing"),
         ({"drag": 0.0}, {}, r"^reduced\.drag = 0: only lubrication"),
         ({"drag": -1.0}, {}, r"^reduced\.drag = -1\.0: must be greater"),
-        ({"drag": 1.0, "law": "exakt"}, {}, r'^reduced\.law = "exakt": there is no such law'),
+        ({"drag": 1.0, "law": "exakt"}, {}, r'^reduced\.law = "exakt": there is no such law; .* law file$'),
+        ({"drag": 1.0, "law": "sofd"}, {}, 'law = "sofd": .* law file; one of your own must be registered'),
         ({"drag": 1.0, "scheme": "distance"}, {}, r"^time\.step: missing"),
         ({"drag": 1.0, "scheme": "distance", "step": 0.1}, {}, r"^bodies\.0\.mass: missing"),
         (
@@ -180,7 +181,12 @@ HELD = heap()[0] | {"force": [0.0, 0.0], "velocity": [0.0, 0.0], "angular_veloci
             {"bodies": [HELD, *heap()[1:]]},
             r"^bodies\.1\.mass: missing.* not held in all modes",
         ),
-        ({"drag": 1.0, "scheme": "euler"}, {}, r'^time\.scheme = "euler": there is no such scheme'),
+        (
+            {"drag": 1.0, "scheme": "euler"},
+            {},
+            r'^time\.scheme = "euler": .*; one of your own must be registered',
+        ),
+        ({"drag": 1.0, "scheme": "distanze"}, {}, "there is no such scheme; .*, of [a-z, -]+$"),
         ({"drag": 1.0, "cutof": 0.1}, {}, r"use reduced\.cutoff or drop it"),
         (
             {"drag": 1.0, "scheme": "backward-euler", "step": 0.1},

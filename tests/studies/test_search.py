@@ -36,6 +36,19 @@ def test_a_root_is_closed_in_on() -> None:
     assert len(wanted.trials) < 15
 
 
+@pytest.mark.parametrize(("target", "noted"), [("1.200", True), ("1.2", False)])
+def test_an_error_bar_beyond_the_digits_is_noted(
+    target: str, noted: bool, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """0.02 is 40 times half a unit of the last digit of 1.200, 0.4 times that of 1.2: not a word was said."""
+    monkeypatch.setattr("fsi.cli.search._trial", lambda _, __, value, ___: KeyTrial(value, 1.2, 0.02))
+    given = ["--quantity", "dissipation", "--target", target, "--vary", "fluid.viscosity=1.0,2.0", "--json"]
+    assert fsi_command("search", CASES / "disc_in_box.toml", *given) == 0
+    told = capfd.readouterr().err
+    assert ("error bar 2e-02 is 40 times 0.0005, half a unit of the last digit" in told) == noted
+    assert (told == "") != noted
+
+
 def test_a_quantity_that_is_equal_at_both_ends_is_looked_at_between() -> None:
     """sin has 0.9 twice on (0, pi); at both ends, and in the middle of halves, it lies on one side."""
     wanted = search(math.sin, 0.0, math.pi, 0.9, 1e-6)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from fsi.bodies.gaps import nearest_gaps
 from fsi.bodies.resolved_gaps import LEAST, ROUNDING
 from fsi.case.case import Case
-from fsi.case.section import nearest_word, refusal, toml_text
+from fsi.case.section import hint_of_own, nearest_word, refusal, toml_text
 from fsi.case.series import Table, jumps
 from fsi.errors import InputError
 
@@ -71,7 +71,7 @@ def _check_scheme(case: Case) -> None:
         nearest = nearest_word(time.scheme, SCHEMES)
         raise InputError(
             f"time.scheme = {toml_text(time.scheme)}: there is no such scheme; the nearest is {nearest!r}, "
-            f"of {', '.join(SCHEMES)}"
+            f"of {', '.join(SCHEMES)}{hint_of_own(time.scheme, SCHEMES)}"
         )
     scheme = case.scheme
     here = f"time.scheme = {toml_text(scheme.name)}"

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
 from fsi.arrays import Array
-from fsi.case.registry import Registered, Registry
+from fsi.case.registry import Registered, Registry, blamed_on
 from fsi.meshes.geometry.jets import CONSISTENT, Jet, inconsistency
 
 if TYPE_CHECKING:  # shapes of walls take long to load, and most walls are straight
@@ -67,7 +67,8 @@ register_profile = WallProfile.registry.register
 def _sound(value: Any, info: ValidationInfo) -> Any:
     """The section that a table describes. Raises ValueError: no wall looks so."""
     profile: WallProfile = WallProfile.registry.validate(value, info)
-    profile.check()
+    with blamed_on(profile):
+        profile.check()
     return profile
 
 

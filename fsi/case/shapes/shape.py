@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, override
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
-from fsi.case.registry import Registered, Registry
+from fsi.case.registry import Registered, Registry, blamed_on
 from fsi.case.section import Geometry, told
 from fsi.meshes.geometry.jets import CONSISTENT, ArcChain, JetOf
 
@@ -161,7 +161,8 @@ def _of_case(value: Any, info: ValidationInfo) -> Any:
     if told(info).geometry not in shape.geometries:
         words = " and ".join(f'"{word}"' for word in shape.geometries)
         raise ValueError(f"is for geometry = {words}; give another kind, or a radius")
-    shape.check()
+    with blamed_on(shape):
+        shape.check()
     return shape
 
 

@@ -123,6 +123,7 @@ def test_the_colour_bar_names_the_vorticity_across_the_plane(
         (Choice(plane="r=1"), "--plane r=1: give x=, y= or z= and a number"),
         (Choice(plane="z=9"), "--plane z=9: misses what is shown; give z from -1.21 to 1.21"),
         (Choice(gap="ball,bottom", plane="z=0"), "give --gap or --plane, not both"),
+        (Choice("traction", plane="z=0"), "--plane z=0: traction is seen on whole bodies; drop it"),
         (Choice("traction"), "--field traction: is seen on whole spheres of runs with fields"),
     ],
 )
