@@ -1,6 +1,8 @@
 """For all tests: load the project before NumPy, as the command line does, so that it runs on one thread."""
 
 import os
+import sys
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,16 @@ from tests.pictures import NO_PICTURES
 # A busy machine is not a defect: nothing is judged by the clock.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Keep what pytest makes of the tests, also under PYTHONDONTWRITEBYTECODE: on each worker 4 s of CPU."""
+    usual, sys.dont_write_bytecode = sys.dont_write_bytecode, False
+    try:
+        return (yield)
+    finally:
+        sys.dont_write_bytecode = usual
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -28,7 +40,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 
 @pytest.fixture(scope="session")
-def drawing() -> None:
+def can_draw() -> None:
     """Skips where no picture can be drawn, which the end of the session says; in CI that is a failure."""
     from fsi.postprocess.render import canvas  # loads pyvista, which few tests need
 
@@ -38,6 +50,16 @@ def drawing() -> None:
         if os.environ.get("CI"):
             pytest.fail(f"{NO_PICTURES}: {error}")
         pytest.skip(f"{NO_PICTURES}: {error}")
+
+
+@pytest.fixture
+def drawing(can_draw: None, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: ARG001
+    """For what draws: a child process was asked once, not again before each picture, half a second each.
+
+    Planes in space have three quarters as many points along each side.
+    """
+    monkeypatch.setattr("fsi.postprocess.render.canvas._draws", lambda _: True)
+    monkeypatch.setattr("fsi.postprocess.render.cut._POINTS", 121)
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,14 @@ import json
 import subprocess
 import sys
 from collections.abc import Sequence
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.commands import fsi_command
 
 MPIEXEC = Path(sys.executable).with_name("mpiexec")
 needs_mpi = pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
@@ -20,8 +24,17 @@ def python_on(ranks: int) -> list[str]:
     return [*([] if ranks == 1 else [str(MPIEXEC), "-n", str(ranks)]), sys.executable]
 
 
+def json_here(command: str, case: Path) -> Any:
+    """The object that `fsi COMMAND CASE --json` prints in this process; one object and nothing else."""
+    with redirect_stdout(StringIO()) as text:
+        assert fsi_command(command, case, "--json") == 0
+    return json.loads(text.getvalue())
+
+
 def json_on(ranks: int, command: str, case: Path) -> Any:
-    """The object that `fsi COMMAND CASE --json` prints; one object and nothing else."""
+    """The same on ranks; on one it needs no program of its own."""
+    if ranks == 1:
+        return json_here(command, case)
     full = [*python_on(ranks), "-m", "fsi", command, str(case), "--json"]
     done = subprocess.run(full, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
@@ -45,6 +58,8 @@ if all(shown):
 
 def json_of_each(ranks: int, commands: Sequence[tuple[str, Path]]) -> list[Any]:
     """The same of many commands, one after the other in one program, which takes as long to start as one."""
+    if ranks == 1:
+        return [json_here(command, case) for command, case in commands]
     given = json.dumps([(command, str(case)) for command, case in commands])
     full = [*python_on(ranks), "-c", EACH.strip(), given]
     done = subprocess.run(full, capture_output=True, text=True, timeout=900, check=False)

@@ -101,9 +101,10 @@ TURNS = [(6.0, 1.3, 2.5), (2.0, -0.88, 1.2), (10.0, 0.36, 2.0), (4.0, 0.05, 5.0)
 def test_bars_of_a_turning_ellipse_hold_and_are_of_use(scheme: str, tolerance: float, longest: float) -> None:
     """On Jeffery's orbits; without regard to turns errors at 1e-2 are up to 15 times their bars.
 
-    Measured: at most 0.45 with bogacki-shampine, 0.78 with adams; longest: twice the longest bar.
+    Measured: at most 0.45 with bogacki-shampine, 0.78 with adams; longest: twice the longest bar. Of 1e-4,
+    whose many steps take seconds, those with the largest errors over bars, and the longest bars.
     """
-    for ratio, start, end in TURNS:
+    for ratio, start, end in TURNS if tolerance > 1e-4 else [TURNS[0], TURNS[3]]:
         rate, exact = orbit(ratio, start)
         ellipse = {"kind": "ellipse", "axes": [1.0, 1.0 / ratio]}
         t, found, bars = followed(turning(end, tolerance, {"shape": ellipse}, scheme), Turning(rate))

@@ -32,8 +32,8 @@ BODIES = [
 def in_cell(flow: dict[str, float], model: str = "pores", modes: int = 4, **more: Any) -> Case:
     data: dict[str, Any] = {"name": "two", "model": model, "fluid": {"viscosity": 3.0}, "bodies": BODIES}
     data["domain"] = {"shape": "cell", "vectors": VECTORS.tolist()} | flow
-    if model == "pores":
-        data["pores"] = {"modes": modes}
+    light = {"degree": 4, "cells_per_circle": 16, "growth": 0.7}  # errs by 1e-4
+    data |= {"pores": {"modes": modes}} if model == "pores" else {"discretisation": light}
     return fsi.make_case(**data | more)
 
 
@@ -263,10 +263,10 @@ def test_in_and_beside_corners_of_a_box_the_fluid_rests_at_the_pressure_there(
         assert np.abs(probe(of_files, x, 0)["p"].to_numpy() - exact).max() < 0.01 * np.abs(exact).max()
 
 
-@pytest.mark.parametrize("x", [[1.6, 1.5], [6.6, 1.5], [1.6, 1.6]])
-def test_inside_a_body_with_a_load_there_is_no_number(x: list[float]) -> None:
-    """At its centre a point force is infinite."""
-    u, p = fsi.solve(in_cell({}, domain=CHANNEL, bodies=PUSHED)).evaluate([x])
+def test_inside_a_body_with_a_load_there_is_no_number() -> None:
+    """At its centre, and at that of an image, a point force is infinite."""
+    inside = [[1.6, 1.5], [6.6, 1.5], [1.6, 1.6]]
+    u, p = fsi.solve(in_cell({}, domain=CHANNEL, bodies=PUSHED)).evaluate(inside)
     assert np.isnan(u).all()
     assert np.isnan(p).all()
 

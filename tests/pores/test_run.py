@@ -58,7 +58,11 @@ def test_xdmf_tells_of_each_small_triangle_which_pore_it_is_in(sheared: Run, tmp
 @pytest.mark.parametrize(
     "sections", [{}, {"pores": {"modes": 0, "tolerance": 0.01}}], ids=["one", "tolerance"]
 )
-def test_a_resumed_run_is_the_unbroken_one_bit_by_bit(sections: dict[str, Any], tmp_path: Path) -> None:
+def test_a_resumed_run_is_the_unbroken_one_bit_by_bit(
+    sections: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other one without pressures in its files, which take longer than all else."""
+    monkeypatch.setattr("fsi.pores.instant.FEW", 0 if sections else FEW)
     case = case_of(**sections)
     outcome = run(case, tmp_path / "whole")
     break_off(tmp_path / "broken", case, outcome.state.step // 2, make_evolution)
@@ -138,7 +142,10 @@ def test_psi_is_that_of_the_velocity(sheared: Run) -> None:
     assert np.abs(rise - flux).max() < 1e-4 * np.ptp(fluid["psi"])
 
 
-def test_necks_are_lines_between_bodies_with_what_is_dissipated_in_them(tmp_path: Path) -> None:
+def test_necks_are_lines_between_bodies_with_what_is_dissipated_in_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fsi.pores.instant.FEW", 0)  # pressures in files take longer than all else
     run(case_of(domain=BOX, bodies=PULLED, time={"end": 0.01}), tmp_path / "run")
     box = open_run(tmp_path / "run")
     lines = box.mesh(0, "necks")
@@ -258,7 +265,7 @@ def test_pictures(field: str, sheared: Run, tmp_path: Path) -> None:
 def test_fluid_at_rest_in_a_box_has_no_pressure_above_its_level(tmp_path: Path) -> None:
     """No mean rate and no load: there are no stresses to choose from, which was a defect of the program."""
     disc = {"name": "a", "radius": 1.0, "position": [2.0, 2.0]}
-    case = case_of(domain={"lower": [0.0, 0.0], "upper": [7.0, 4.0]}, bodies=[disc], time={"end": 1.0})
+    case = case_of(domain={"lower": [0.0, 0.0], "upper": [7.0, 4.0]}, bodies=[disc], time={"end": 0.01})
     run(case, tmp_path / "run")
     found = probe(open_run(tmp_path / "run"), [[1.0, 0.5], [5.0, 3.0]])
     assert found["p"].tolist() == [0.0, 0.0]

@@ -78,8 +78,9 @@ def test_a_violated_identity_is_marked(checked_run: Path, monkeypatch: pytest.Mo
 
 @pytest.mark.usefixtures("drawing")
 def test_a_finished_run_without_fields(tmp_path: Path) -> None:
-    """Its bodies are drawn by its tables."""
-    start(small_case(output={"fields": False}), tmp_path / "run")
+    """Its bodies are drawn by its tables, in few steps: each is a frame of the film."""
+    short = {"end": 0.05, "first_step": 0.05}
+    start(small_case(time=short, output={"fields": False}), tmp_path / "run")
     text = page(tmp_path / "run")
     assert "Finished: " in text
     assert "Not finished" not in text

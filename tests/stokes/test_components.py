@@ -21,9 +21,9 @@ from tests.stokes import spatial_flows as spatial
 from tests.stokes import test_periodic_in_space as periodic
 
 CASES = {
-    "bodies between walls": spatial.case(spatial.BOX, solver="iterative", cells_per_circle=7, growth=1.0),
+    "bodies between walls": spatial.case(spatial.BOX, solver="iterative", cells_per_circle=8, growth=1.0),
     "images of bodies and sides": periodic.case(
-        periodic.OBLIQUE, periodic.TWO, solver="iterative", cells_per_circle=7, growth=1.0, degree=3
+        periodic.OBLIQUE, periodic.TWO, solver="iterative", cells_per_circle=9, growth=0.8, degree=3
     ),
 }
 

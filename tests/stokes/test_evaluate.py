@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,7 @@ CHANNEL = Box((-4.0, -1.0), (4.0, 1.0), periodic=("x",))
 SPECK = discs([(3.9, 0.2)], [0.01])
 
 
+@cache
 def turning() -> StokesSolution:
     """A disc that turns in the middle of a round container."""
     return solved(

@@ -35,7 +35,7 @@ def heavy(solver: str, wall_speed: float = 0.0) -> Case:
         "domain": BOX["domain"] | {"walls": walls},
         "time": {"end": 1e-3, "first_step": 1e-4, "remesh": "when-needed"},
     }
-    return case(data, solver=solver, cells_per_circle=7, growth=1.0)
+    return case(data, solver=solver, cells_per_circle=8, growth=1.0)
 
 
 def inertia(per_mass: float, U: Array) -> Inertia:

@@ -128,6 +128,9 @@ COMMANDS = {
     "cell": Asked("solve", periodic("cell"), STRESS),
     "shapes": Asked("solve", SHAPES, STRESS),
 }
+# Ranks of their own between two others, and masters of slaves on a third; three turn round and round on two
+# processors while they wait, for twice as long as two.
+ON_THREE = ("row", "channel")
 LONGER = {
     "multipliers": Asked("solve", f'{RESTING}formulation = "multiplier"\n', ("dissipation",)),
     "shapes, degree 6": Asked("solve", SHAPES.replace("degree = 3", "degree = 6"), STRESS),
@@ -136,17 +139,22 @@ LONGER = {
 
 @pytest.mark.mpi
 @pytest.mark.parametrize(
-    "asked",
-    [pytest.param(COMMANDS, id="short"), pytest.param(LONGER, id="longer", marks=pytest.mark.slow)],
+    ("asked", "numbers_of_ranks"),
+    [
+        pytest.param(COMMANDS, (2,), id="short"),
+        pytest.param({name: COMMANDS[name] for name in ON_THREE}, (3,), id="on three"),
+        pytest.param(COMMANDS, (3,), id="all on three", marks=pytest.mark.slow),
+        pytest.param(LONGER, (2, 3), id="longer", marks=pytest.mark.slow),
+    ],
 )
-def test_ranks_agree(asked: dict[str, Asked], tmp_path: Path) -> None:
+def test_ranks_agree(asked: dict[str, Asked], numbers_of_ranks: tuple[int, ...], tmp_path: Path) -> None:
     """Forces and velocities of all bodies, viscosities, stresses and resistances, to 1e-9."""
     commands = []
     for name, one in asked.items():
         case = tmp_path / f"{name}.toml"
         case.write_text(one.case)
         commands.append((one.command, case))
-    serial, *others = (json_of_each(ranks, commands) for ranks in (1, 2, 3))
+    serial, *others = (json_of_each(ranks, commands) for ranks in (1, *numbers_of_ranks))
     for other in others:
         for name, expected, found in zip(asked, serial, other, strict=True):
             same(name, asked[name].keys, found, expected)

@@ -187,9 +187,9 @@ def test_a_change_of_the_key_that_is_sought_is_refused(capfd: pytest.CaptureFixt
 
 
 def test_the_four_viscosities_of_the_slides(tmp_path: Path) -> None:
-    """By pores of eight modes, to the digits of the slides; `tests/test_cases.py` has the resolved ones."""
+    """By pores of four modes, to the digits of the slides; `tests/test_cases.py` has the resolved ones."""
     example = runpy.run_path(str(ROOT / "docs" / "examples" / "four_viscosities.py"))
-    found = example["solutions"]("model=pores", "pores.modes=8")
+    found = example["solutions"]("model=pores", "pores.modes=4")
     for name, solution in found.items():
         case = solution.case
         discs = sum(math.pi * body.radius**2 for body in case.bodies)
