@@ -113,9 +113,7 @@ def polynomial(series: float | Table, end: float) -> "scipy.interpolate.PPoly":
     """The values on [0, end] as a piecewise polynomial: its integrals are exact across kinks and jumps."""
     import scipy  # late: `fsi check` does without
 
-    if not isinstance(series, Table):
-        return scipy.interpolate.PPoly(np.array([[0.0], [series]]), np.array([0.0, end]))
-    times, values = np.array(series.times), np.array(series.values)
+    times, values = map(np.array, _points(series))
     # Long constant ends make one table of it all.
     times = np.concatenate([[min(times[0], 0.0) - 1.0], times, [max(times[-1], end) + 1.0]])
     values = np.concatenate([values[:1], values, values[-1:]])
@@ -130,4 +128,9 @@ def polynomial(series: float | Table, end: float) -> "scipy.interpolate.PPoly":
 
 def is_zero(series: float | Table) -> bool:
     """True when the value is zero at all times."""
-    return not any(series.values) if isinstance(series, Table) else series == 0.0
+    return not any(_points(series)[1])
+
+
+def _points(series: float | Table) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Times and values; of a constant one of each."""
+    return (series.times, series.values) if isinstance(series, Table) else ((0.0,), (series,))
