@@ -56,10 +56,10 @@ def can_draw() -> None:
 def drawing(can_draw: None, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: ARG001
     """For what draws: a child process was asked once, not again before each picture, half a second each.
 
-    Planes in space have three quarters as many points along each side.
+    Planes in space have half as many points along each side.
     """
     monkeypatch.setattr("fsi.postprocess.render.canvas._draws", lambda _: True)
-    monkeypatch.setattr("fsi.postprocess.render.cut._POINTS", 121)
+    monkeypatch.setattr("fsi.postprocess.render.cut._POINTS", 81)
 
 
 @pytest.fixture(scope="module")

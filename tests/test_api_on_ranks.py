@@ -12,6 +12,7 @@ from tests.cli.test_commands import call
 from tests.ranks import needs_mpi, python_on
 
 ROOT = Path(__file__).parents[1]
+SMALL = ["discretisation.degree=2", "discretisation.cells_per_circle=12", "discretisation.growth=1.0"]
 
 
 @needs_mpi
@@ -21,7 +22,7 @@ def test_it_works_on_several_ranks(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         f"import fsi, fsi.parallel as parallel\n"
-        f"case = fsi.load_case({str(ROOT / 'cases' / 'disc_in_box.toml')!r}, ['discretisation.degree=2'])\n"
+        f"case = fsi.load_case({str(ROOT / 'cases' / 'disc_in_box.toml')!r}, {SMALL})\n"
         "solution = fsi.solve(case)\n"
         "u, p = solution.evaluate([[0.0, 4.0]])\n"
         "small = fsi.load_case(" + repr(str(ROOT / "cases" / "gluey" / "two_discs.toml")) + ", "
@@ -55,7 +56,7 @@ def refused(what, ask):
         raise AssertionError(what)
 
 box, own, out = sys.argv[1], parallel.rank(), sys.argv[2]
-small = ["discretisation.degree=2", "discretisation.cells_per_circle=12", "discretisation.growth=1.0"]
+small = sys.argv[3:]
 case = fsi.load_case(box, small)
 solution = fsi.solve(case)
 x = np.column_stack([np.linspace(-3.0, 3.0, 40), np.full(40, 4.0)])
@@ -80,7 +81,7 @@ if parallel.is_root():
 def test_what_differs_between_ranks_is_refused_on_all_of_them(tmp_path: Path) -> None:
     """Points were matched by their places: of halves the values were those of the other rank's points."""
     box = ROOT / "cases" / "disc_in_box.toml"
-    done = call(*python_on(2), "-c", DIFFERENT, str(box), str(tmp_path / "out"), timeout=120.0)
+    done = call(*python_on(2), "-c", DIFFERENT, str(box), str(tmp_path / "out"), *SMALL, timeout=120.0)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "done\n"
     assert not list(tmp_path.iterdir())

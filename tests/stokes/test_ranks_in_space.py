@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from tests.ranks import json_on, needs_mpi
-from tests.stokes.spatial_flows import BOX, case
+from fsi.stokes.resistance import case_resistance
+from tests.ranks import json_on, needs_mpi, result_on
+from tests.stokes.spatial_flows import BOX, case, solved
 
 # Two spheres at opposite ends of a long box.
 APART = BOX | {
@@ -22,6 +23,22 @@ APART = BOX | {
 }  # fmt: skip
 
 
+def resistance(solver: str) -> list[list[float]]:
+    """Without bars, the finer flow of which takes several times as long as that of the case."""
+    found: list[list[float]] = case_resistance(
+        case(BOX, solver=solver, cells_per_circle=8, growth=1.0)
+    ).R.tolist()
+    return found
+
+
+def forces_apart() -> list[list[float]]:
+    """The same."""
+    found: list[list[float]] = solved(
+        case(APART, solver="iterative", cells_per_circle=7, growth=1.0)
+    ).F.tolist()
+    return found
+
+
 @pytest.mark.mpi
 @needs_mpi
 @pytest.mark.parametrize(
@@ -32,21 +49,18 @@ APART = BOX | {
         pytest.param("iterative", (2, 3), marks=pytest.mark.slow),
     ],
 )
-def test_ranks_agree_in_space(tmp_path: Path, solver: str, several: tuple[int, ...]) -> None:
-    path = tmp_path / "case.toml"
-    path.write_text(case(BOX, solver=solver, cells_per_circle=8, growth=1.0).as_toml())
-    found = [np.array(json_on(ranks, "resistance", path)["resistance"]) for ranks in (1, *several)]
-    for other in found[1:]:
-        assert_allclose(other, found[0], atol=1e-9 * np.abs(found[0]).max())
+def test_ranks_agree_in_space(solver: str, several: tuple[int, ...]) -> None:
+    one = np.array(resistance(solver))
+    for ranks in several:
+        other = result_on(ranks, "tests.stokes.test_ranks_in_space", f"resistance({solver!r})")
+        assert_allclose(other, one, atol=1e-9 * np.abs(one).max())
 
 
 @pytest.mark.mpi
 @needs_mpi
-def test_ranks_agree_on_a_flow_by_iterations(tmp_path: Path) -> None:
+def test_ranks_agree_on_a_flow_by_iterations() -> None:
     """The matrix of two ranks is in parts; one of them has no cell that meets a body whose motion it has."""
-    path = tmp_path / "case.toml"
-    path.write_text(case(APART, solver="iterative", cells_per_circle=7, growth=1.0).as_toml())
-    one, two = ([body["force"] for body in json_on(ranks, "solve", path)["bodies"]] for ranks in (1, 2))
+    one, two = forces_apart(), result_on(2, "tests.stokes.test_ranks_in_space", "forces_apart()")
     assert_allclose(two, one, atol=1e-9 * np.abs(one).max())
 
 

@@ -91,8 +91,9 @@ def test_rates_that_files_have_not_are_refused(tmp_path: Path, monkeypatch: pyte
         flow_on(run, 0, cut, rendered_field("dissipation"), 1.5)
 
 
-def test_streamlines_follow_the_flow_in_the_plane(tmp_path: Path) -> None:
+def test_streamlines_follow_the_flow_in_the_plane(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On y = 1: u_x = z, u_z = x, so that x^2 - z^2 stays the same; the ball is not met there."""
+    monkeypatch.setattr(cut_module, "_POINTS", 61)
     run = fsi.open_run(write_spatial_run(tmp_path))
     cut, speed = Cut(np.array([0.0, 1.0, 0.0]), 1.0, X), rendered_field("speed")
     surface, lines = flow_on(run, 0, cut, speed, 1.5)
@@ -105,8 +106,9 @@ def test_streamlines_follow_the_flow_in_the_plane(tmp_path: Path) -> None:
     np.testing.assert_allclose(surface["value"], np.linalg.norm(velocity(x), axis=1), atol=0.3)
 
 
-def test_the_plane_ends_at_the_walls(tmp_path: Path) -> None:
+def test_the_plane_ends_at_the_walls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Half a window of 1.5 beyond x = 1 is cut at 2, square up to the corner."""
+    monkeypatch.setattr(cut_module, "_POINTS", 31)
     run = fsi.open_run(write_spatial_run(tmp_path))
     surface, _ = flow_on(run, 0, Cut(np.array([1.0, 1.0, 1.0]), 1.0, X), rendered_field("pressure"), 1.5)
     assert surface.area == pytest.approx(2.5**2, rel=1e-6)
