@@ -170,7 +170,6 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
                 raise {error}("the radius is wrong here")
             MPI.COMM_WORLD.Barrier()  # waits for ever
 
-        parallel.PATIENCE = 1.0
         cases.load = load
         sys.argv = ["fsi", "check", "case.toml"]
         sys.exit(main())
