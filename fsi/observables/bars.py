@@ -77,6 +77,7 @@ class Compared:
         chance_of_stress: the same of stresses and stresslets.
         chance_of_flow: the same of what the whole flow has, dissipation, fluxes and the speeds that stresses
             give, each as a part of itself.
+        chance_of_free: the same as `chance` of velocities, if they differ.
     """
 
     results: FlowResults
@@ -84,6 +85,7 @@ class Compared:
     chance: float = KNOWN_TO
     chance_of_stress: float = KNOWN_TO
     chance_of_flow: float = 0.0
+    chance_of_free: float | None = None
 
 
 def step_errors(bodies: DrivenBodies, results: FlowResults, *others: Compared) -> StepErrors:
@@ -171,7 +173,8 @@ def _bound(other: Compared, results: Results, largest: Array) -> Array:
     Each is known to a part of the largest difference of both, (2, N, M): a velocity that is small by chance
     beside others and beside what loads miss has by chance a small one.
     """
-    bound: Array = np.maximum(_difference(other, results), other.chance * largest)
+    chances = (other.chance if other.chance_of_free is None else other.chance_of_free, other.chance)
+    bound: Array = np.maximum(_difference(other, results), np.reshape(chances, (2, 1, 1)) * largest)
     return bound
 
 

@@ -122,7 +122,13 @@ class StokesModel:
         """
         motion = motion or motion_of(self.case, q, t, instant)
         others = [
-            Compared(self.compared(each, q, t, motion), each.factor, each.chance, each.chance_of_stress)
+            Compared(
+                self.compared(each, q, t, motion),
+                each.factor,
+                each.chance,
+                each.chance_of_stress,
+                chance_of_free=each.chance_of_free,
+            )
             for each in comparisons(self.case)
         ]
         if (below := self.case.lubrication.below) is not None:

@@ -119,6 +119,18 @@ def test_a_velocity_is_known_to_a_part_of_what_loads_miss() -> None:
     assert errors.F[0] == pytest.approx([0.4, 0.0, 0.03 * 0.1 * 4.0])
 
 
+def test_velocities_that_are_small_by_chance_may_be_known_less_than_loads() -> None:
+    """As above, to 0.2 and to 0.05: 0.2 of a tenth of 2, 0.05 of a tenth of 4."""
+    case = random_case("half-plane", 7)
+    held, none = np.array([[True, False, True]]), np.zeros((1, 3))
+    q, U = Configuration.unturned(np.array([[0.0, 3.0]]), np.ones(1)), np.array([[2.0, 0.1, 0.0]])
+    computed, other = (ExactInstant(U, np.array([[load, 0.0, 0.0]])) for load in (4.0, 4.4))
+    bodies = DrivenBodies(case, q, 0.0, Motion(held, none, none))
+    errors = step_errors(bodies, computed, Compared(other, 1.0, 0.05, chance_of_free=0.2)).errors
+    assert errors.U[0, 1] == pytest.approx(0.2 * 0.1 * 2.0)
+    assert errors.F[0] == pytest.approx([0.4, 0.0, 0.05 * 0.1 * 4.0])
+
+
 def test_a_bar_is_no_shorter_than_what_rounding_makes_of_a_gap() -> None:
     """1e-6 at a distance of 300 from the origin is known to eps 301 / 1e-6, and a force to 2.5 times this."""
     data = {

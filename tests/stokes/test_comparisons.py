@@ -50,7 +50,7 @@ def test_in_space_edges_with_jumps_are_compared_with_finer_ones(
 @pytest.mark.parametrize(
     ("sizes", "flow"),
     [
-        ({"cells_per_circle": 10}, Comparison(2, 1.0, 0.25, 0.2, 0.3)),
+        ({"cells_per_circle": 10}, Comparison(2, 1.0, 0.25, 0.05, 0.3, 0.2)),
         ({"cells_per_circle": 9}, Comparison(2, 1.0, 0.75, 0.6, 0.6)),
         ({"degree": 2}, Comparison(3, 1.0, 1.5, 0.15, 0.15)),
     ],
