@@ -187,7 +187,8 @@ def test_commands_that_draw_take_every_run(name: str, tmp_path: Path) -> None:
 
     from fsi.cli.main import app
 
-    run_case(small(name), tmp_path / "run")
+    steps = (*SMALL[name], "time.end=0.4", "time.step=0.1", "output.interval=0.1")  # each a frame of the film
+    run_case(load_case(CASES / name, steps), tmp_path / "run")
     for command in ("plot", "report"):
         assert CliRunner().invoke(app, [command, str(tmp_path / "run")]).exit_code == 0
 

@@ -127,6 +127,7 @@ def test_the_colour_bar_names_the_vorticity_across_the_plane(
         (Choice("traction"), "--field traction: is seen on whole spheres of runs with fields"),
     ],
 )
+@pytest.mark.usefixtures("drawing")
 def test_impossible_planes(choice: Choice, message: str, tmp_path: Path) -> None:
     write_spatial_run(tmp_path)
     with pytest.raises(InputError, match=message):
