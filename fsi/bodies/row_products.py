@@ -15,16 +15,18 @@ from fsi.machine.compiled import compiled, vectorised
 
 
 class _Rows(NamedTuple):
-    """R rows of M unknowns; the k-th entries of all rows stand together, 0 where a row has fewer than others.
+    """R rows of M unknowns with K entries each, 0 where a row has fewer than others.
 
     Attributes:
-        columns, entries: as many (R,) as the longest row has entries.
+        columns, entries: (R, K); those of a row stand together, as they are read together.
+        each: K numbers: so many, and the compiler knows how many.
         slack: >= 0, (R,).
         transposed: room for `J^T z`, (M,).
     """
 
-    columns: tuple[NDArray[np.int32], ...]
-    entries: tuple[Array, ...]
+    columns: NDArray[np.int32]
+    entries: Array
+    each: tuple[int, ...]
     slack: Array
     transposed: Array
 
@@ -44,16 +46,27 @@ class _Iterates(NamedTuple):
     new: Array
 
 
+class _Conjugate(NamedTuple):
+    """The residual, the direction, and the solution as far as it is known, (R,) each."""
+
+    r: Array
+    p: Array
+    z: Array
+
+
 class Products:
     """`z -> W z`, with `W = J J^T + diag(slack)`; z and the product are (R,)."""
 
     def __init__(self, J: sp.csr_matrix, slack: Array) -> None:
         """Of rows J, (R, M), and slack >= 0, (R,)."""
-        counts = np.diff(J.indptr)
-        entry = np.arange(max(counts.max(), 1))[:, None]
-        places = np.where(entry < counts, J.indptr[:-1] + entry, J.nnz)  # (entries of a row, R)
-        columns, entries = np.append(J.indices, 0).astype(np.int32), np.append(J.data, 0.0)
-        self._rows = _Rows(tuple(columns[places]), tuple(entries[places]), slack, np.empty(J.shape[1]))
+        R, counts = len(slack), np.diff(J.indptr)
+        K = max(counts.max(initial=0), 1)
+        columns, entries = J.indices.astype(np.int32), J.data
+        if J.nnz < K * R:
+            here = np.where(np.arange(K) < counts[:, None], J.indptr[:-1, None] + np.arange(K), J.nnz)
+            columns, entries = np.append(columns, np.int32(0))[here], np.append(entries, 0.0)[here]
+        shape, room = (R, K), np.empty(J.shape[1])
+        self._rows = _Rows(columns.reshape(shape), entries.reshape(shape), (1,) * K, slack, room)
 
     def __call__(self, z: Array) -> Array:
         """W z."""
@@ -92,13 +105,13 @@ def _conjugate_gradients(rows: _Rows, right: Array, tolerance: float, most: int,
     r, p, Wp = right.copy(), right.copy(), np.empty(len(right))
     left = _dot(r, r)
     enough = tolerance**2 * left
+    _transposed(rows, p)
     for _ in range(most):
         if left <= enough:
             return True
-        _transposed(rows, p)
         alpha = left / _product(rows, p, Wp)
-        before, left = left, _advance(alpha, p, Wp, z, r)
-        _turn(left / before, r, p)
+        before, left = left, _descended(alpha, Wp, r)
+        _advance(rows, alpha, left / before, _Conjugate(r, p, z))
     return left <= enough
 
 
@@ -117,8 +130,8 @@ def _transposed(rows: _Rows, z: Array) -> None:
     """`J^T z`; how many arrays of entries there are is known to the compiler."""
     rows.transposed[:] = 0.0
     for r in range(len(z)):
-        for k in range(len(rows.entries)):
-            rows.transposed[rows.columns[k][r]] += rows.entries[k][r] * z[r]
+        for k in range(len(rows.each)):
+            rows.transposed[rows.columns[r, k]] += rows.entries[r, k] * z[r]
 
 
 @vectorised
@@ -127,8 +140,8 @@ def _product(rows: _Rows, z: Array, product: Array) -> float:
     energy = 0.0
     for r in range(len(z)):
         total = rows.slack[r] * z[r]
-        for k in range(len(rows.entries)):
-            total += rows.entries[k][r] * rows.transposed[rows.columns[k][r]]
+        for k in range(len(rows.each)):
+            total += rows.entries[r, k] * rows.transposed[rows.columns[r, k]]
         product[r] = total
         energy += total * z[r]
     return energy
@@ -143,21 +156,25 @@ def _dot(a: Array, b: Array) -> float:
 
 
 @vectorised
-def _advance(alpha: float, p: Array, Wp: Array, z: Array, r: Array) -> float:
-    """z and the residual r after a step along p, and r.r."""
+def _descended(alpha: float, Wp: Array, r: Array) -> float:
+    """The residual r after a step along p, and r.r."""
     left = 0.0
     for k in range(len(r)):
-        z[k] += alpha * p[k]
         r[k] -= alpha * Wp[k]
         left += r[k] * r[k]
     return left
 
 
 @vectorised
-def _turn(beta: float, r: Array, p: Array) -> None:
-    """The next direction."""
-    for k in range(len(r)):
-        p[k] = r[k] + beta * p[k]
+def _advance(rows: _Rows, alpha: float, beta: float, at: _Conjugate) -> None:
+    """z after that step, the next direction p, and its `J^T p`, in one reading of all."""
+    rows.transposed[:] = 0.0
+    for r in range(len(at.p)):
+        at.z[r] += alpha * at.p[r]
+        p = at.r[r] + beta * at.p[r]  # which stays at hand: what is written next might be where at.p is
+        at.p[r] = p
+        for k in range(len(rows.each)):
+            rows.transposed[rows.columns[r, k]] += rows.entries[r, k] * p
 
 
 @vectorised

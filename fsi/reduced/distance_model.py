@@ -31,10 +31,11 @@ from fsi.bodies.gaps import ROUNDING, row_numbers
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import State
-from fsi.reduced.first_integral import FirstIntegral, backward_euler_step
+from fsi.reduced.enclosure import Enclosure
+from fsi.reduced.first_integral import FirstIntegral, Some, backward_euler_step
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
-from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
+from fsi.reduced.pairs import Pairs, find_pairs, gaps_at, of_keys, own_speed, turning
 from fsi.reduced.stress import lubrication_stress, stresslets
 from fsi.reduced.system import SolvedSystem, Surroundings, identities, require, solve_system
 
@@ -63,6 +64,22 @@ class PairMemory:
         return here, there[here]
 
 
+@dataclass(frozen=True, slots=True)
+class Met:
+    """What a step ends with and the next one begins with: bodies, what is around them, and their pairs."""
+
+    q: Configuration
+    ambient: Surroundings
+    pairs: Pairs
+
+    def within(self, enclosure: Enclosure) -> Pairs:
+        """The pairs as they are in what encloses them during the next step: walls and lattices move."""
+        if enclosure.container != self.ambient.enclosure.container:
+            return of_keys(self.q, enclosure, self.pairs.key)
+        b = own_speed(self.pairs, len(self.q), enclosure)
+        return self.pairs if np.array_equal(b, self.pairs.b) else replace(self.pairs, b=b)
+
+
 def merged(
     key: NDArray[np.int64], *parts: tuple[NDArray[np.intp], NDArray[np.intp], PairMemory]
 ) -> PairMemory:
@@ -83,6 +100,7 @@ class DistanceModel(ReducedModel):
         self.masses = np.zeros_like(self.zeta) if masses is None else masses
         self.literal = case.timing.scheme == "backward-euler"
         self._memory: PairMemory | None = None
+        self._last: Met | None = None
 
     def state(self) -> dict[str, NDArray[Any]]:
         """The memory."""
@@ -97,7 +115,7 @@ class DistanceModel(ReducedModel):
         began, U = process_time(), self.case.initial_velocity()
         ambient = self.surroundings(q, 0.0)
         pairs = find_pairs(q, ambient.enclosure, self.reach)
-        self._memory = self._fresh(pairs, ambient, U)
+        self._memory, self._last = self._fresh(pairs, ambient, U), Met(q, ambient, pairs)
         held = Motion(np.ones_like(ambient.motion.held), U, np.zeros_like(U))
         kappa = self.laws.kappa(self._memory.x, pairs.films)
         solved = solve_system(replace(ambient, motion=held), pairs, kappa, None, stored=True)
@@ -105,45 +123,59 @@ class DistanceModel(ReducedModel):
         checks |= identities(solved.network, q, U, solved.alone, solved.force) | solved.balances()
         require(checks, 0.0)
         record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks, "energy": 0.0}
-        instant = self._instant(q, U, pairs, ambient, record | {"stopped": 0, "drift": 0.0})
+        instant = self._instant(U, record | {"stopped": 0, "drift": 0.0})
         return replace(instant, record={**instant.record, "cpu_solve": process_time() - began})
 
     def march(self, state: State, t_end: float) -> tuple[Configuration, ReducedInstant]:
         """One step: its end, the instant there. Raises SolveError: new pairs overlap, an identity fails."""
         began = process_time()
-        assert self._memory is not None
-        h = t_end - state.t
+        h, before = t_end - state.t, self._met(state)
         ambient = self._during(state.q, state.t, t_end)
-        pairs = of_keys(state.q, ambient.enclosure, self._memory.key)
+        pairs = before.within(ambient.enclosure)
         memory, checks = self._advance_distances(state, pairs, ambient, h)
         kappa = self.laws.kappa(memory.x, pairs.films)
-        solved, q, then, stopped = self._without_overlap(state, ambient, pairs, kappa, h)
+        solved, q, gap, stopped = self._without_overlap(state, ambient, pairs, kappa, h)
         checks |= identities(solved.network, state.q, solved.U, solved.alone, solved.force)
         checks |= solved.balances() | {"energy": solved.energy(self.masses, state.U, h)}
         require(checks, t_end, remedy="shorten time.step")
         record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks, "stopped": stopped}
-        w = memory.w if self.literal else memory.w + self._turned(memory.x, pairs, then, ambient)
-        instant = self._meet(q, solved.U, replace(memory, w=w, force=solved.force), t_end, record)
+        w = memory.w if self.literal else memory.w + self._turned(memory.x, pairs, q, ambient)
+        memory = replace(memory, w=w, force=solved.force)
+        drift = self._meet(q, solved.U, memory, gap, t_end)
+        instant = self._instant(solved.U, {**record, "drift": drift})
         return q, replace(instant, record={**instant.record, "cpu_solve": process_time() - began})
+
+    @property
+    def _surely_found(self) -> float:
+        """The search for pairs finds all whose gap is smaller, however that rounds."""
+        return 0.999 * min(self.reach, self.case.container().size())
+
+    def _met(self, state: State) -> Met:
+        """The end of the last step, found again where a run is resumed."""
+        if self._last is None or self._last.q is not state.q:
+            assert self._memory is not None
+            ambient = self.surroundings(state.q, state.t)
+            self._last = Met(state.q, ambient, of_keys(state.q, ambient.enclosure, self._memory.key))
+        return self._last
 
     def _without_overlap(
         self, state: State, ambient: Surroundings, pairs: Pairs, kappa: Array, h: float
-    ) -> tuple[SolvedSystem, Configuration, Pairs, int]:
-        """Steps 2 and 3: velocities, the bodies and the pairs there, and how many had to be stopped."""
+    ) -> tuple[SolvedSystem, Configuration, Array, int]:
+        """Steps 2 and 3: velocities, the bodies and the gaps there, and how many had to be stopped."""
         inertia, stopped = Inertia(self.masses / h, state.U), np.zeros(len(pairs), dtype=bool)
         while True:
             rigid = np.where(stopped, np.inf, kappa)
             solved = solve_system(ambient, pairs, rigid, inertia, stored=True)
             moved = state.q.moved(h * solved.U)
-            then = of_keys(moved, ambient.enclosure, pairs.key)
-            if np.any(np.isinf(rigid) & (then.gap < -ROUNDING * state.q.radii.min())):
+            gap = gaps_at(moved, ambient.enclosure, pairs)
+            if np.any(np.isinf(rigid) & (gap < -ROUNDING * state.q.radii.min())):
                 raise SolveError(
-                    f"time.step = {h:g}: bodies overlap after it by {-then.gap.min():.3g}, and stopping "
+                    f"time.step = {h:g}: bodies overlap after it by {-gap.min():.3g}, and stopping "
                     "their gaps does not part them; shorten it"
                 )
-            closed = (then.gap <= 0.0) & ~np.isinf(rigid)
+            closed = (gap <= 0.0) & ~np.isinf(rigid)
             if not closed.any():
-                return solved, moved, then, int(stopped.sum())
+                return solved, moved, gap, int(stopped.sum())
             stopped |= closed
 
     def _during(self, q: Configuration, t: float, t_end: float) -> Surroundings:
@@ -164,7 +196,7 @@ class DistanceModel(ReducedModel):
             x, V = backward_euler_step(old.x, old.w, f, h, g * self.case.fluid.viscosity)
             return replace(old, x=x, w=V), {}
 
-        def integral(x: Array, part: NDArray[np.intp]) -> tuple[Array, Array]:
+        def integral(x: Array, part: Some) -> tuple[Array, Array]:
             return self.laws.integral(x, pairs.films.of(part))
 
         w = old.w + h * f
@@ -172,8 +204,8 @@ class DistanceModel(ReducedModel):
         x = step.solve()
         return replace(old, x=x, w=w), {"invariant": step.defect(x)}
 
-    def _turned(self, x: Array, pairs: Pairs, then: Pairs, ambient: Surroundings) -> Array:
-        """By how much w changes with the directions, `(g then - g) K`, (P,).
+    def _turned(self, x: Array, pairs: Pairs, q: Configuration, ambient: Surroundings) -> Array:
+        """By how much w changes with the directions as bodies move to q, `(g then - g) K`, (P,).
 
         g turns with them beside bodies that are held in some directions only.
         """
@@ -183,8 +215,10 @@ class DistanceModel(ReducedModel):
         here = np.flatnonzero(partly[pairs.i] | partly[np.where(pairs.is_wall, pairs.i, pairs.j)])
         if len(here):
             M_inverse = self._inverse_masses(ambient, d)
-            g, g_then = (own_mobility(gradient(side, N)[here], M_inverse) for side in (pairs, then))
-            change[here] = (g_then - g) * self.laws.integral(x[here], pairs.films.of(here))[0]
+            then = of_keys(q, ambient.enclosure, pairs.key[here])
+            g = own_mobility(gradient(pairs, N)[here], M_inverse)
+            K, _ = self.laws.integral(x[here], pairs.films.of(here))
+            change[here] = (own_mobility(gradient(then, N), M_inverse) - g) * K
         return change
 
     def _rates_of_change(
@@ -193,7 +227,7 @@ class DistanceModel(ReducedModel):
         """f, all that changes D' but the pair's own lubrication, and `g = G.M^-1 G`; (P,)."""
         assert self._memory is not None
         d, force, motion = pairs.n.shape[1], self._memory.force, ambient.motion
-        U, before = state.U, self.surroundings(state.q, state.t)
+        U, before = state.U, self._met(state).ambient
         G, M_inverse = gradient(pairs, len(U)), self._inverse_masses(ambient, d)
         load = (motion.F - before.zeta * (U - before.background))[:, :d] - (G.T @ force).reshape(-1, d)
         prescribed = (motion.U - U)[:, :d] / h
@@ -208,18 +242,21 @@ class DistanceModel(ReducedModel):
         free = ~ambient.motion.held[:, :d]  # what is held may be without mass
         return np.divide(1.0, self.masses[:, :d], out=np.zeros(free.shape), where=free)
 
-    def _meet(
-        self, q: Configuration, U: Array, memory: PairMemory, t: float, record: Mapping[str, float]
-    ) -> ReducedInstant:
-        """Carry the memory to the pairs at q: those near now, and those in contact by their stored gaps."""
+    def _meet(self, q: Configuration, U: Array, memory: PairMemory, gap: Array, t: float) -> float:
+        """Carry the memory of pairs, with gaps at q, to those near now, and in contact by their stored gaps.
+
+        Returns:
+            the drift, by how much stored gaps are off at most.
+        """
         ambient = self.surroundings(q, t)
-        pairs = find_pairs(q, ambient.enclosure, self.reach, memory.key[np.exp(memory.x) < self.reach])
+        in_contact = (np.exp(memory.x) < self.reach) & ~(gap < self._surely_found)
+        pairs = find_pairs(q, ambient.enclosure, self.reach, memory.key[in_contact])
         known, stored = memory.positions(pairs.key)
         new = np.setdiff1d(np.arange(len(pairs)), known, assume_unique=True)
         fresh = self._fresh(of_keys(q, ambient.enclosure, pairs.key[new]), ambient, U)
         self._memory = merged(pairs.key, (known, stored, memory), (new, np.arange(len(new)), fresh))
-        drift = np.abs(np.exp(memory.x[stored]) - pairs.gap[known]).max(initial=0.0)
-        return self._instant(q, U, pairs, ambient, {**record, "drift": float(drift)})
+        self._last = Met(q, ambient, pairs)
+        return float(np.abs(np.exp(memory.x[stored]) - pairs.gap[known]).max(initial=0.0))
 
     def _fresh(self, pairs: Pairs, ambient: Surroundings, U: Array) -> PairMemory:
         """The memory of pairs that have just come near: their stored gap is the one they have."""
@@ -237,15 +274,15 @@ class DistanceModel(ReducedModel):
         K, _ = self.laws.integral(x, pairs.films)
         return PairMemory(pairs.key, x, rates + own_mobility(G, self._inverse_masses(ambient, d)) * K, force)
 
-    def _instant(
-        self, q: Configuration, U: Array, pairs: Pairs, ambient: Surroundings, record: Mapping[str, float]
-    ) -> ReducedInstant:
-        """What is known at the end of a step; gamma = g K of the stored gaps."""
-        assert self._memory is not None
-        d, memory = pairs.n.shape[1], self._memory
+    def _instant(self, U: Array, record: Mapping[str, float]) -> ReducedInstant:
+        """What is known at the end of a step."""
+        last, memory = self._last, self._memory
+        assert last is not None
+        assert memory is not None
+        q, ambient, pairs = last.q, last.ambient, last.pairs
+        d = pairs.n.shape[1]
         G = gradient(pairs, len(U))
-        K, _ = self.laws.integral(memory.x, pairs.films)
-        gamma = own_mobility(G, self._inverse_masses(ambient, d)) * K
+        g = own_mobility(G, self._inverse_masses(ambient, d))
         F = ambient.zeta * (U - ambient.background)
         F[:, :d] += (G.T @ memory.force).reshape(-1, d)
         stored = {"log10_stored_gap": float(memory.x.min(initial=np.inf) / np.log(10.0))}
@@ -254,4 +291,4 @@ class DistanceModel(ReducedModel):
         )
         columns = {**record, **({} if stress is None else stress.record), **stored}
         rates = G @ U[:, :d].ravel() - pairs.b
-        return ReducedInstant(q, U, F, pairs, memory.x, rates, memory.force, gamma, columns, stress)
+        return ReducedInstant(q, U, F, pairs, memory.x, rates, memory.force, self.laws, g, columns, stress)

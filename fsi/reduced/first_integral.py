@@ -10,12 +10,14 @@ from fsi.arrays import Array
 from fsi.errors import SolveError
 
 # (x) -> K and dK/dx, of an antiderivative K of kappa in D, for some of the pairs.
-type Integral = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
+type Some = NDArray[np.intp] | slice
+type Integral = Callable[[Array, Some], tuple[Array, Array]]
 
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 _ITERATIONS = 200
 _LAST_STEP = 1e-8  # of Newton's method in x: the error after it is about its square
 _LEAST = float(np.finfo(float).tiny)
+_ALL = slice(None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ class FirstIntegral:
         h, D0, active = self.h, np.exp(self.x0), np.arange(len(self.x0))
         if np.any((self.g == 0.0) & (D0 + h * self.w <= 0.0)):
             raise SolveError("a gap between bodies or walls that are all held is closed by their motion")
-        F, slope, _ = self._residual(self.x0, active)
+        F, slope, _ = self._residual(self.x0, _ALL)
         # K increases, so that e^x <= e^x0 - h F(x0) if the gap opens. There Newton's first step is one in D,
         # in which the equation is nearly linear, elsewhere one in x, which keeps D positive.
         opens, ahead = F < 0.0, -np.minimum(F, 0.0)
@@ -75,11 +77,11 @@ class FirstIntegral:
 
         Rounding of x = ln D, which is that of D and of K, counts among them.
         """
-        F, slope, size = self._residual(x, np.arange(len(x)))
+        F, slope, size = self._residual(x, _ALL)
         size = size + slope * np.abs(x) + _LEAST
         return float(np.max(np.abs(F) / size, initial=0.0))
 
-    def _residual(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    def _residual(self, x: Array, index: Some) -> tuple[Array, Array, Array]:
         """Of the equation for some pairs, its derivative, and the size of its terms."""
         K, slope = self.integral(x, index)
         D, D0, g, w = np.exp(x), np.exp(self.x0[index]), self.g[index], self.w[index]

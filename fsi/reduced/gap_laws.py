@@ -10,7 +10,7 @@ sphere far from a plane; of two that are drawn apart 6 pi mu a and 6 pi mu b in 
 it has beyond that, so that drag counts once. That of discs tends to zero.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -27,6 +27,7 @@ from fsi.errors import InputError, SolveError
 from fsi.lubrication.expansions import MODES, Mode, Shape, overlap_of, ratio_of
 from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError
 from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
+from fsi.lubrication.profiles import distinct
 from fsi.reduced.overlaps import nodes, weights
 from fsi.reduced.possible_films import beside_walls, between_bodies
 
@@ -59,7 +60,7 @@ class Films:
         beside = self.is_wall & (self.overlap <= 0.0)
         return np.flatnonzero(~beside), np.flatnonzero(beside)
 
-    def of(self, some: NDArray[np.intp]) -> "Films":
+    def of(self, some: NDArray[np.intp] | slice) -> "Films":
         """Some of them."""
         return Films(self.radius[some], self.overlap[some], self.is_wall[some])
 
@@ -124,24 +125,29 @@ class GapLaws:
 
     def kappa(self, x: Array, films: Films) -> Array:
         """The resistances kappa; infinite where they overflow."""
-        edge = np.log(_SMALLEST * films.radius)
-        kappa = self._each("kappa", np.exp(np.maximum(x, edge)), films)
-        with np.errstate(over="ignore"):
-            return kappa * np.exp(np.maximum(edge - x, 0.0))
+        kappa = np.empty(len(x))
+        for law, here, some in self._each(films):
+            at, edge = x[here], np.log(_SMALLEST * distinct(some.radius))
+            of_law = law.each("kappa", np.exp(np.maximum(at, edge)), some)
+            with np.errstate(over="ignore"):
+                kappa[here] = of_law * np.exp(np.maximum(edge - at, 0.0))
+        return kappa
 
     def integral(self, x: Array, films: Films) -> tuple[Array, Array]:
         """K, an antiderivative of kappa in D, and `dK/dx = kappa D`."""
-        edge = np.log(_SMALLEST * films.radius)
-        D = np.exp(np.maximum(x, edge))
-        slope = self._each("kappa", D, films) * D
-        return self._each("integral", D, films) + slope * np.minimum(x - edge, 0.0), slope
+        K, slope = np.empty(len(x)), np.empty(len(x))
+        for law, here, some in self._each(films):
+            at, edge = x[here], np.log(_SMALLEST * distinct(some.radius))
+            D = np.exp(np.maximum(at, edge))
+            rise = law.each("kappa", D, some) * D
+            slope[here], K[here] = rise, law.each("integral", D, some) + rise * np.minimum(at - edge, 0.0)
+        return K, slope
 
-    def _each(self, method: Literal["kappa", "integral"], D: Array, films: Films) -> Array:
-        values = np.empty(len(D))
+    def _each(self, films: Films) -> Iterator[tuple[FilmLaw, NDArray[np.intp], Films]]:
+        """Each law that is asked for, where it holds, and the films there."""
         for law, here in zip((self.bodies, self.walls), films.places, strict=True):
             if len(here):
-                values[here] = law.each(method, D[here], films.of(here))
-        return values
+                yield law, here, films.of(here)
 
 
 _KEYS: dict[Mode, str] = {"squeeze": "law", "shear": "shear_law", "rotation": "rotation_law"}

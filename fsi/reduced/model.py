@@ -18,7 +18,7 @@ from fsi.integration.state import Instant
 from fsi.observables.bulk_stress import BulkStress
 from fsi.parallel import on_root
 from fsi.reduced.enclosure import drag, make_enclosure
-from fsi.reduced.gap_laws import make_laws, make_tangential_laws
+from fsi.reduced.gap_laws import GapLaws, make_laws, make_tangential_laws
 from fsi.reduced.network import resistance_matrix
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.stress import (
@@ -45,7 +45,8 @@ class ReducedInstant:
         x: ln D, the gaps with which the laws were taken, (P,).
         rates: D' of the gaps, (P,); without memory lambda / kappa, precise where G U rounds.
         force: lambda, (P,).
-        gamma: g K(D), the stored pushes, zero for a model without memory, (P,).
+        laws: kappa and its integral K.
+        g: `G.M^-1 G` of the gaps, zero for a model without memory, (P,).
         record: columns of steps.csv.
         stress: that of lubrication, in a periodic domain.
         bulk: the mean stress there, where pairs resist sliding and rolling too.
@@ -59,7 +60,8 @@ class ReducedInstant:
     x: Array
     rates: Array
     force: Array
-    gamma: Array
+    laws: GapLaws
+    g: Array
     record: Mapping[str, float]
     stress: LubricationStress | None = None
     bulk: BulkStress | None = None
@@ -67,6 +69,12 @@ class ReducedInstant:
     shear_rate: ClassVar[None] = None
     dp_dx: ClassVar[None] = None
     flux: ClassVar[None] = None
+
+    @property
+    def gamma(self) -> Array:
+        """g K(D), the stored pushes, (P,)."""
+        K, _ = self.laws.integral(self.x, self.pairs.films)
+        return self.g * K
 
     @property
     def apparent_viscosity(self) -> float | None:
@@ -150,7 +158,9 @@ class ReducedModel:
         record = {"pairs": len(pairs), "dissipation": lost, **columns, **checks, **spent}
         rates, force = solved.rates[: len(pairs)], solved.force[: len(pairs)]
         nothing = np.zeros(len(pairs))
-        return ReducedInstant(q, solved.U, solved.F, pairs, x, rates, force, nothing, record, stress, bulk)
+        return ReducedInstant(
+            q, solved.U, solved.F, pairs, x, rates, force, self.laws, nothing, record, stress, bulk
+        )
 
     def resistance(self, q: Configuration, t: float) -> sp.csr_matrix:
         """R of the pairs alone, without drag, at q and time t, (N M, N M): symmetric, not negative."""

@@ -32,16 +32,14 @@ _SLACK = 1e200
 
 @lru_cache(maxsize=2)  # of one step many ask for it
 def gradient(pairs: Pairs, bodies: int) -> sp.csr_matrix:
-    """The rows G = grad_q D, shape (P, N d): n for body i, -n for body j, nothing for a wall."""
+    """The rows G = grad_q D, shape (P, N d): n for body i, -n for body j, zeros for a wall."""
     P, d = pairs.n.shape
     sides = np.stack([pairs.i, np.where(pairs.is_wall, pairs.i, pairs.j)], axis=1).astype(np.int32)
     columns = d * sides[:, :, None] + np.arange(d, dtype=np.int32)
     entries = np.stack([pairs.n, -pairs.n], axis=1)
     entries[pairs.is_wall, 1] = 0.0
     starts = np.arange(0, 2 * d * P + 1, 2 * d, dtype=np.int32)
-    G = sp.csr_matrix((entries.ravel(), columns.ravel(), starts), shape=(P, bodies * d))
-    G.eliminate_zeros()
-    return G
+    return sp.csr_matrix((entries.ravel(), columns.ravel(), starts), shape=(P, bodies * d))
 
 
 def own_mobility(G: sp.csr_matrix, Z_inverse: Array) -> Array:

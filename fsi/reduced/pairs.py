@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.arrays import Array
+from fsi.arrays import Array, Indices
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, row_numbers
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.reentrant import counted
-from fsi.reduced.enclosure import Enclosure, overlap, wall_gaps
+from fsi.reduced.enclosure import Enclosure, WallGaps, overlap, wall_gaps
 from fsi.reduced.gap_laws import Films
 from fsi.reduced.twice_precise import precise_gaps
 
@@ -102,20 +102,12 @@ def of_keys(q: Configuration, enclosure: Enclosure, key: NDArray[np.int64]) -> P
     shift = Lattice(enclosure.container.periods).shift(key[:, 2:]) + np.zeros((1, q.dimension))
     is_wall = j >= len(q)
     other = np.where(is_wall, 0, j)
-    separation = q.centres.take(i, axis=0) - q.centres.take(other, axis=0) - shift
-    distance = np.sqrt(np.einsum("pk,pk->p", separation, separation))
-    n = separation / np.where(distance > 0.0, distance, 1.0)[:, None]
-    gap = distance - q.radii[i] - q.radii[other]
     radius = q.radii[i] * q.radii[other] / (q.radii[i] + q.radii[other])
-    narrow = np.flatnonzero(np.abs(gap) < _NARROW * radius)
-    if len(narrow):
-        k, other_side = i[narrow], other[narrow]
-        ends = (q.centres[k], q.centres[other_side], shift[narrow])
-        gap[narrow] = precise_gaps(*ends, q.radii[k], q.radii[other_side])
+    separation, distance, gap = _apart(q, (i, other), shift, radius)
+    n = separation / np.where(distance > 0.0, distance, 1.0)[:, None]
     curvature = 1.0 / np.where(distance > 0.0, distance, 1.0)
     if np.any(is_wall):
-        beside, at = i[is_wall], (np.arange(np.count_nonzero(is_wall)), j[is_wall] - len(q))
-        walls = wall_gaps(enclosure.container, q.centres.take(beside, axis=0), q.radii[beside])
+        walls, at = _beside(q, enclosure, i[is_wall], j[is_wall])
         n[is_wall], gap[is_wall] = walls.normal[at], walls.gap[at]
         curvature[is_wall] = walls.curvature[at]
         radius[is_wall] = walls.radius[at]
@@ -123,6 +115,40 @@ def of_keys(q: Configuration, enclosure: Enclosure, key: NDArray[np.int64]) -> P
     share, rest = overlap(radius, q.radii[i]), np.zeros(len(gap))
     pairs = Pairs(i, j, is_wall, shift, foot, n, gap, radius, share, curvature, rest, key)
     return replace(pairs, b=own_speed(pairs, len(q), enclosure))
+
+
+def gaps_at(q: Configuration, enclosure: Enclosure, pairs: Pairs) -> Array:
+    """D of the same pairs where the bodies are at q, (P,)."""
+    sides = pairs.i, np.where(pairs.is_wall, 0, pairs.j)
+    _, _, gap = _apart(q, sides, pairs.shift, pairs.radius)
+    if np.any(pairs.is_wall):
+        walls, at = _beside(q, enclosure, pairs.i[pairs.is_wall], pairs.j[pairs.is_wall])
+        gap[pairs.is_wall] = walls.gap[at]
+    return gap
+
+
+def _apart(
+    q: Configuration, sides: tuple[Indices, Indices], shift: Array, radius: Array
+) -> tuple[Array, ...]:
+    """Of centres i from the images of centres j: separation (P, d), distance and gap, (P,)."""
+    i, j = sides
+    separation = q.centres.take(i, axis=0) - q.centres.take(j, axis=0) - shift
+    distance = np.sqrt(np.einsum("pk,pk->p", separation, separation))
+    gap = distance - q.radii[i] - q.radii[j]
+    narrow = np.flatnonzero(np.abs(gap) < _NARROW * radius)
+    if len(narrow):
+        k, other = i[narrow], j[narrow]
+        ends = (q.centres[k], q.centres[other], shift[narrow])
+        gap[narrow] = precise_gaps(*ends, q.radii[k], q.radii[other])
+    return separation, distance, gap
+
+
+def _beside(
+    q: Configuration, enclosure: Enclosure, body: Indices, wall: Indices
+) -> tuple[WallGaps, tuple[Indices, Indices]]:
+    """All walls beside so many bodies, and which of those gaps are meant; wall: counted from N on."""
+    walls = wall_gaps(enclosure.container, q.centres.take(body, axis=0), q.radii[body])
+    return walls, (np.arange(len(body)), wall - len(q))
 
 
 def own_speed(pairs: Pairs, bodies: int, enclosure: Enclosure) -> Array:

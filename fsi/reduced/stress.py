@@ -23,6 +23,7 @@ mu_app / mu, and `forces` above is 1/|Omega| sum r (x) F.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import combinations_with_replacement
 from math import nan
 
 import numpy as np
@@ -139,10 +140,12 @@ def stresslets(pairs: Pairs, force: Array, radii: Array, tangential: TangentialR
 
 def _of_gaps(pairs: Pairs, force: Array, radii: Array) -> Array:
     """Of the gaps alone, (N, d, d)."""
-    between, N = ~pairs.is_wall, len(radii)
-    i, j = pairs.i, pairs.j[between]
-    arm, other = _arms(pairs, radii)
-    moment = np.concatenate([arm * force, other[between] * force[between]])
-    body, n = np.concatenate([i, j]), np.concatenate([pairs.n, pairs.n[between]])
-    sums = [[np.bincount(body, moment * x * y, minlength=N) for y in n.T] for x in n.T]
-    return np.moveaxis(np.array(sums), 2, 0)
+    N, n = len(radii), pairs.n
+    other = np.where(pairs.is_wall, 0, pairs.j)  # with no arm there
+    moments = [arm * force for arm in _arms(pairs, radii)]
+    S = np.empty((N, n.shape[1], n.shape[1]))
+    for k, m in combinations_with_replacement(range(n.shape[1]), 2):
+        nn = n[:, k] * n[:, m]
+        of_i, of_j = (moment * nn for moment in moments)
+        S[:, k, m] = S[:, m, k] = np.bincount(pairs.i, of_i, N) + np.bincount(other, of_j, N)
+    return S

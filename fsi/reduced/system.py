@@ -193,7 +193,7 @@ def _kernel(network: GapNetwork, q: Configuration) -> float:
     pairs, N, d = network.pairs, len(q), q.dimension
     between = ~pairs.is_wall
     i, j = pairs.i[between], pairs.j[between]
-    starts = np.searchsorted(i, np.arange(N + 1))  # pairs are in the order of i
+    starts = np.append(0, np.cumsum(np.bincount(i, minlength=N)))  # pairs are in the order of i
     graph = sp.csr_matrix((np.ones(len(i)), j, starts), (N, N))
     clusters, label = connected_components(graph, directed=False)
     size = np.bincount(label, minlength=clusters)

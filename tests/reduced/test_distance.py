@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fsi.arrays import Array
 from fsi.errors import SolveError
@@ -12,6 +11,7 @@ from fsi.lubrication.laws import CutLaw, LubricationLaw
 from fsi.lubrication.named_laws import GapFilm, leading_law, slides_law
 from fsi.reduced.first_integral import (
     FirstIntegral,
+    Some,
     backward_euler_step,
 )
 from fsi.reduced.gap_laws import FilmLaw, Films, GapLaws
@@ -32,8 +32,8 @@ def integral_of(law: LubricationLaw) -> tuple[GapLaws, object]:
     for_all = FilmLaw((law,), np.zeros(1), "law")
     laws = GapLaws(for_all, for_all)
 
-    def integral(x: Array, part: NDArray[np.intp]) -> tuple[Array, Array]:
-        return laws.integral(x, films(len(part)))
+    def integral(x: Array, _: Some) -> tuple[Array, Array]:
+        return laws.integral(x, films(len(x)))
 
     return laws, integral
 

@@ -164,5 +164,27 @@ def test_a_pair_that_sticks_is_kept_beyond_the_cutoff_until_its_stored_gap_opens
     for stored, kept in ((1e-3, 1), (0.6, 0)):
         memory = PairMemory(**(begun | {"x": np.log([stored])}))
         apart = q.moved(np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0]]))
-        model._meet(apart, start.state.U, memory, 0.0, {})
+        model._meet(apart, start.state.U, memory, np.array([0.6]), 0.0)
         assert len(model.state()["key"]) == kept
+
+
+def test_a_step_begins_with_the_pairs_of_the_last_one_as_if_they_were_found_again() -> None:
+    """Of walls that speed up, too: a model that has the memory alone gives the same, to the last bit."""
+    stream = [0.0, {"times": [0.0, 1.0], "values": [0.5, 2.5]}]
+    bodies = [
+        {"name": f"b{k}", "radius": 1.0, "position": [x, 1.4], "force": [-3.0 * x, -5.0]} | INERTIA
+        for k, x in enumerate((-1.1, 1.2))
+    ]
+    case = reduced_case(
+        bodies,
+        {"law": "slides", "drag": 0.5, "scheme": "distance", "step": H},
+        domain={"shape": "half-plane", "radius": 1000.0, "walls": {"plane": stream, "far": stream}},
+    )
+    model, again = make_model(case), make_model(case)
+    stepper = make_stepper(case, model)
+    state = stepper.advance(stepper.start(case.configuration()).state).state
+    make_stepper(case, again).start(case.configuration())
+    again.restore({name: value.copy() for name, value in model.state().items()})
+    ends = [reduced_instant(make_stepper(case, each).advance(state)) for each in (model, again)]
+    assert np.array_equal(ends[0].x, ends[1].x)
+    assert np.array_equal(ends[0].U, ends[1].U)
