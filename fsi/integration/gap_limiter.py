@@ -205,8 +205,16 @@ def limited_step(
     With the row of a lattice they shear the container too.
     """
     container, velocity = container.sheared(q.strain_of(velocity)), velocity[: len(q)]
-    approach = greatest_approach(q, container, h * velocity, gap_loss, h)
+    approach = greatest_approach(q, container, _carried(q, container, velocity, h), gap_loss, h)
     while approach.loss > gap_loss:
         h *= SAFETY * gap_loss / approach.loss
-        approach = greatest_approach(q, container, h * velocity, gap_loss, h)
+        approach = greatest_approach(q, container, _carried(q, container, velocity, h), gap_loss, h)
     return h, approach
+
+
+def _carried(q: Configuration, container: Container, velocity: Array, h: float) -> Array:
+    """The displacements (N, M) in the time h: straight, but where the mean flow bends the ways of images."""
+    displacement, unit = h * velocity, np.eye(q.dimension)
+    bent = container.carried(unit, h) - unit - h * container.mean_velocity(unit)
+    displacement[:, : q.dimension] += q.centres @ bent
+    return displacement

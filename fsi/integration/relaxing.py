@@ -53,3 +53,8 @@ def mean(d: Array, later: Array) -> Array:
     decays = (ratio > 0.0) & (ratio < 1.0)
     even = 0.5 * (d + later)
     return np.divide(later - d, np.log(ratio, out=np.ones_like(d), where=decays), out=even, where=decays)
+
+
+def cancelled(d: Array, later: Array) -> Array:
+    """By how much the mean of d over a step to `later` is less than that of |d|, where signs differ."""
+    return np.where(d * later < 0.0, np.minimum(np.abs(d), np.abs(later)), 0.0)

@@ -6,7 +6,7 @@ model until their estimated error is below `discretisation.tolerance`.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, Inertia
-from fsi.bodies.feet import Feet
-from fsi.bodies.gaps import Gaps, find_gaps, nearest_gaps, pair_gaps, wall_gaps
+from fsi.bodies.gaps import nearest_gaps
 from fsi.errors import SolveError, apart
+from fsi.integration.displacements import Displacements
 from fsi.integration.errors import StepErrors
 from fsi.integration.gap_limiter import (
     Approach,
@@ -28,6 +28,7 @@ from fsi.integration.gap_limiter import (
 )
 from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step, velocities
 from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.lattice import unit_shear
 
 # Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4.
 SAFETY = 0.9
@@ -108,7 +109,7 @@ class Stepper:
                         f"time.scheme: its error of the step to t = {t_end:.9g} is not a number; correct the "
                         "scheme, or give another one"
                     )
-                error = self._norm(state.q, state.t, trial.error)
+                error = self._size_of_error(state, trial.error) / self.tolerance
                 factor = self._factor(error)
             except GapRefusedError as refusal:
                 approach, error, factor = refusal.approach, math.inf, LEAST_CUT
@@ -132,55 +133,16 @@ class Stepper:
         new = State(t_end, state.step + 1, q, velocities(instant), following, past)
         return Step(new, instant, used, rejected, trial.error)
 
-    def _norm(self, q: Configuration, t: float, displacement: Array) -> float:
-        """Largest error that displacements (N, M) make, relative to what is tolerated: accepted up to 1.
-
-        Each displacement counts over the radius, each angle in radians, a strain of the lattice as it is, and
-        each gap's change over the gap, which is what lubrication feels; bodies that are close and move
-        together are not held to their gap.
-        """
-        d, of_all = q.dimension, displacement[: len(q)]
-        of_bodies = np.linalg.norm(of_all[:, :d], axis=1) / q.radii
-        errors = [of_bodies, np.abs(of_all[:, d:]), self._gap_changes(q, t, displacement)]
-        errors.append(np.array([abs(q.strain_of(displacement))]))
-        return float(max(e.max(initial=0.0) for e in errors)) / self.tolerance
-
-    def _gap_changes(self, q: Configuration, t: float, displacement: Array) -> Array:
-        """|gap'| / gap of all near pairs and walls, for gaps that change at the rate of the displacements."""
-        container, strain = self.container.at(t, q.strain), q.strain_of(displacement)
-        gaps = find_gaps(q, container)
-        of_images = abs(strain) * container.size() if strain else 0.0
-        furthest = max(float(q.ways(displacement[: len(q)]).max(initial=0.0)), of_images)
-        if furthest == 0.0:
-            return np.zeros(1)
-        small = 1e-3 * min(gaps.smallest(), float(q.radii.min())) / furthest
-        moved = q.moved(small * displacement)
-        away = container.carried(gaps.away, 0.0, small * strain)
-        if q.shaped:
-            return self._shape_gap_changes(q, t, moved, (gaps, replace(gaps, away=away))) / small
-        walls = wall_gaps(moved, container)
-        of_pairs = (pair_gaps(moved, gaps.pairs, away) - gaps.pair_gaps) / gaps.pair_gaps
-        of_walls = (walls - gaps.wall_gaps) / gaps.wall_gaps
-        return np.abs(np.concatenate([of_pairs, of_walls.ravel()])) / small
-
-    def _shape_gap_changes(
-        self, q: Configuration, t: float, moved: Configuration, gaps: tuple[Gaps, Gaps]
-    ) -> Array:
-        """By how much of itself each of all gaps of bodies with shapes changes on a small way.
-
-        gaps: those before, and the same with the images where they are after.
-        """
-        container, reach = self.container.at(t, q.strain), 2.0 * float(q.radii.max())
-        before, after = gaps
-        feet = Feet.at(q, container, before, reach)
-        of_images = float(np.abs(after.away - before.away).max(initial=0.0))
-        ways = np.full(len(feet.feet), 2.0 * float(q.ways(q.way_to(moved)).max()) + of_images)
-        later = feet.followed(Feet.at(moved, container, after, reach), ways)
-        return np.abs(later - feet.gaps) / feet.gaps
+    def _size_of_error(self, state: State, error: Array) -> float:
+        """Of a step, as an error that its displacement (N, M) has; the mean flow carries images exactly."""
+        q, container = state.q, self.container.at(state.t, state.q.strain)
+        strain = q.strain_of(error) * unit_shear(q.dimension)
+        return Displacements(q, container, error, strain).size()
 
     def _first_step(self, q: Configuration, U: Array) -> float:
         """The step whose error is the tolerance if it is that power of the displacement, both relative."""
-        speed = self.tolerance * self._norm(q, 0.0, U)
+        container = self.container.sheared(q.strain_of(U))
+        speed = Displacements(q, container, U, container.mean_gradient).size()
         tolerated = self.tolerance ** (1.0 / self.scheme.error_order)
         return min(self.schedule.end, tolerated / speed) if speed > 0.0 else self.schedule.end
 

@@ -45,7 +45,7 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import LOADS, MODES, PLACES, Configuration, Inertia, Motion
 from fsi.bodies.surface_gap import SurfaceGap, narrowest_gap
 from fsi.integration.errors import ErrorEstimate, StepErrors
-from fsi.integration.relaxing import kept, left, mean, relaxing, shrunk
+from fsi.integration.relaxing import cancelled, kept, left, mean, relaxing, shrunk
 from fsi.integration.state import Model, State, Step
 from fsi.integration.strayed_angles import in_columns, places_of, turn_since, turned_along
 from fsi.integration.strayed_bars import HIDDEN, bars, bars_of_places
@@ -96,7 +96,7 @@ class Strayed:
         loads: |dF| of its end, without cancellation, (2, N, M); not for the next step.
         lost: |grad D . e| there; not for the next step.
         part: the bar of the smallest gap over that gap.
-        farthest: how far places have strayed by steps, but for what relaxes, (N, M); 0 with mass.
+        farthest: how far places have strayed, but for what relaxes, (2, N, M); 0 with mass.
     """
 
     masses: Array | None
@@ -109,7 +109,7 @@ class Strayed:
     loads: Array = field(default_factory=_none)
     lost: float = 0.0
     part: float = 0.0
-    farthest: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    farthest: Array = field(default_factory=_none)
 
     def follow(self, step: Step, errors: StepErrors, model: Model, container: Container) -> None:
         """Take a step, at whose end velocities and loads miss by `errors`; collective.
@@ -123,7 +123,7 @@ class Strayed:
             self.e, self.d, self.run = np.zeros((2, *delta.shape)), _of_elements(delta), run
             self.widest, self.loads, self.lost = np.abs(self.d), np.zeros_like(self.e), 0.0
             self.last = np.stack([self._at_first(step), places_of(step.state.q)])
-            self.farthest = np.zeros_like(delta)
+            self.farthest = np.zeros_like(self.e)
             return
         none, carried = np.zeros_like(delta), partial(self._carried, step, model=model, container=container)
         z = least = change = none
@@ -148,7 +148,8 @@ class Strayed:
         along = step.state.q.arms * change
         self.e = np.stack([later[0], kept(z, along, e[1], later[1])]) + eps
         if self.masses is None:
-            self.farthest = np.maximum(np.abs(self.e[1]), left(z, along) * self.farthest)
+            self.farthest = np.maximum(np.abs(self.e), left(z, along) * self.farthest)
+            self.farthest[0] += h * cancelled(d_before[0], d[0])
         widest = np.stack([np.abs(of_elements), np.abs(of_steps).sum(axis=0)])
         self.d, self.widest = d, np.maximum(np.abs(self.d), widest)
         self._follow_gap(step, HIDDEN * (h * self.widest[0] + np.abs(eps[1])), container)
@@ -274,7 +275,8 @@ class Strayed:
         """Take back what `memory` gave."""
         self.e, self.d, self.run, self.last = memory["strayed"]
         self.part = float(memory["strayed_gap"])
-        self.farthest = memory.get("farthest", np.abs(self.e[1]))  # runs of older versions have kept none
+        # Runs of older versions have kept none, or that of steps alone.
+        self.farthest = np.broadcast_to(memory.get("farthest", np.abs(self.e)), self.e.shape)
 
 
 def _per_cube(step: Step) -> Array:

@@ -3,7 +3,9 @@
 The signs of what steps miss are chosen: where one carries the other along, they may cancel in the estimate
 alone. So each is known to a part of the largest only. A place that passes through zero, as one does that is
 carried along by the shear of another, was farther off with other signs: bars of places are no shorter than at
-earlier steps, but for what relaxes to a balance of loads.
+earlier steps, but for what relaxes to a balance of loads. The signs of what elements miss are estimates, and
+may turn where elements change from step to step, as pores do that neighbours exchange. So where the rate at
+which a place strays by elements turns in a step, what cancels of it is added.
 """
 
 import numpy as np
@@ -25,7 +27,7 @@ def bars(arms: Array, distances: Array) -> Array:
 
 
 def bars_of_places(q: Configuration, e: Array, farthest: Array) -> Array:
-    """Of places that have strayed by e (2, N, M), of centres by steps once as far as `farthest`, (N, M)."""
+    """Of places that have strayed by e, of centres once as far as `farthest`, by cause, (2, N, M) each."""
     found, d = bars(q.arms, e), q.dimension
-    found[:, :d] = np.maximum(found[:, :d], np.abs(e[0, :, :d]) + farthest[:, :d])
+    found[:, :d] = np.maximum(found[:, :d], farthest[:, :, :d].sum(axis=0))
     return found

@@ -120,6 +120,18 @@ def test_bodies_that_the_mean_flow_carries_are_sought_no_farther(monkeypatch: py
     assert still.loss < 0.2
 
 
+@pytest.mark.parametrize("periods", [0, 300])
+def test_the_limited_step_is_that_of_any_images_in_an_extension(periods: int) -> None:
+    """A gap 2.4 exp(-h) - 2 may lose a fifth of 0.4; straight ways far away lost it at once."""
+    cell = Cell(((9.0, 0.0), (0.0, 5.0)), EXTENSION)
+    places = np.array([[0.5, 0.3], [0.5, 2.7 + 5.0 * periods]])
+    q = Configuration.unturned(places, np.ones(2))
+    velocity = np.column_stack([cell.mean_velocity(places), np.zeros(2)])
+    limited, approach = limited_step(q, cell, velocity, 1.0, 0.2)
+    assert approach.loss == pytest.approx(1.0 - (2.4 * np.exp(-limited) - 2.0) / 0.4, rel=1e-9)
+    assert 0.17 < approach.loss <= 0.2
+
+
 @pytest.mark.parametrize(
     ("before", "after", "lost"), [(2, 2, True), (2, 1, True), (1, 2, False), (9, 4, False)]
 )

@@ -144,7 +144,7 @@ def test_held_bodies_do_not_stray() -> None:
 def test_what_moves_as_given_beside_others_does_not_stray() -> None:
     """Its rounding was taken for what the sign of an error hides: a tenth of the bar of the other body."""
     q = Configuration.unturned(np.array([[0.0, 0.0], [0.0, 3.0]]), np.ones(2))
-    strayed = Strayed(None, cast(Any, None), e=np.zeros((2, 2, 3)), farthest=np.zeros((2, 3)))
+    strayed = Strayed(None, cast(Any, None), e=np.zeros((2, 2, 3)), farthest=np.zeros((2, 2, 3)))
     strayed.e[1, :, 0] = [1e-4, 1e-17]
     strayed.e[1, 0, 1] = 1e-12  # it changes its sign
     none = ErrorEstimate(np.zeros((2, 3)), np.zeros((2, 3)))
@@ -187,7 +187,7 @@ def test_the_time_of_a_gap_knows_that_images_move() -> None:
     """Disc and image close at 4.84 t / r; both that rate and what the gap has strayed by have 1 / r."""
     container = Cell(((6.0, 0.0), (0.0, 2.2)), ((0.0, 1.0), (0.0, 0.0)))
     q = Configuration.unturned(np.array([[0.0, 0.0], [0.0, 1.2]]), np.full(2, 0.5))
-    strayed = Strayed(None, cast(Any, None), e=np.zeros((2, 2, 3)), farthest=np.zeros((2, 3)))
+    strayed = Strayed(None, cast(Any, None), e=np.zeros((2, 2, 3)), farthest=np.zeros((2, 2, 3)))
     strayed.e[0, 0, 1] = 1e-4
     state = State(0.1, 1, q, np.full((2, 3), 0.1), 1.0)
     assert strayed.columns(state, container)["err_t"] == pytest.approx(1e-4 / 0.484, rel=1e-2)

@@ -173,7 +173,7 @@ def test_a_cell_under_a_stress_takes_the_way_of_one_whose_rate_is_given(
 
 def moved(changes: list[str], end: float, folder: Path) -> Run:
     """A run of three discs in a cell."""
-    run(load_case(CELL, [*changes, f"time={{end={end!r}, tolerance=1e-3}}"]), folder)
+    run(load_case(CELL, [*changes, f"time={{end={end!r}, tolerance=1e-4}}"]), folder)
     return open_run(folder)
 
 
