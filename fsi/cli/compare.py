@@ -107,7 +107,7 @@ def _compare_runs(cases: "dict[str, Case]", folder: Path, *, quiet: bool) -> dic
         if not quiet:
             print_rates(standard_output(), reduced, rates)
     else:
-        plot_levels(paths, viscosities, picture)
+        plot_levels(runs, paths, viscosities, picture)
         if not quiet:
             print_trajectories(standard_output(), next(iter(cases.values())), paths)
     return data

@@ -47,7 +47,7 @@ def plot(
             metavar="NAMES",
         ),
     ] = None,
-    paths: Annotated[bool, option("Draw the trajectories of the bodies.", False)] = False,
+    paths: Annotated[bool, option("Draw the trajectories, with the bodies at both ends.", False)] = False,
     relative: Annotated[
         str | None,
         option("Draw the trajectory of body A as B sees it.", False, metavar="A,B"),

@@ -8,7 +8,7 @@ from fsi.observables.bulk_stress import BulkStress
 
 BOUND = 1e-8  # of each relative defect; a solution beyond it is refused
 IDENTITIES = {
-    "power": "dissipation = power of the loads and walls",
+    "power": "dissipation + that of slip = power of loads, walls and swimmers",
     "momentum": "forces of bodies and walls sum to zero",
     "angular_momentum": "torques of bodies and walls sum to zero",
     "balance": "computed loads on free bodies = given loads",

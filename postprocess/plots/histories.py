@@ -43,7 +43,7 @@ _LAWS: dict[str, dict[str, Any]] = {
     "exact": {"color": "#777777", "lw": 6, "alpha": 0.5},
     "asymptote": {"color": "#777777", "lw": 1.5, "ls": ":"},
 }
-_LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis may be logarithmic
+LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis may be logarithmic
 _CONSTANT = 1e-6  # relative changes below it are rounding: the axis begins at zero
 _LEAST_SPAN = 1e-3  # of the largest value: on shorter axes errors of the elements would look like a trend
 _ROUNDING = 1e-12  # of the largest value: what is below it is not drawn on a logarithmic axis
@@ -85,9 +85,17 @@ class RunHistory:
         return {name: names.index(name) if name in names else k for k, name in enumerate(curves)}
 
 
-def _strain(run: Run, t: Array) -> Array | None:
-    """As it was found where a stress shears a cell, else as the case gives it."""
-    return run.steps["strain"].to_numpy() if "strain" in run.steps else accumulated_strain(run.case, t)
+def read_strain(run: Run) -> Array | None:
+    """The strain at the steps of a sheared suspension, None of other runs.
+
+    As it was found where a stress shears a cell, else as the case gives it.
+    """
+    if not any(PANELS[title](Asked(run, None, 1)) for title in (VISCOSITY, ADDED_VISCOSITY)):
+        return None
+    if "strain" in run.steps:
+        found: Array = run.steps["strain"].to_numpy()
+        return found
+    return accumulated_strain(run.case, run.steps["t"].to_numpy())
 
 
 def read_history(
@@ -104,9 +112,7 @@ def read_history(
     panels = {title: PANELS[title](asked) for title in panel_titles(curves) if title in PANELS}
     panels = {title: curves for title, curves in panels.items() if curves}
     laws = _laws(run.case, t) if run.viscous and gap is None else {}
-    sheared = any(PANELS[title](asked) for title in (VISCOSITY, ADDED_VISCOSITY))  # drawn or not
-    strain = _strain(run, t) if sheared else None
-    return RunHistory(run.path.resolve().name, t, strain, panels, laws, run.case)
+    return RunHistory(run.path.resolve().name, t, read_strain(run), panels, laws, run.case)
 
 
 def _laws(case: Case, t: Array) -> dict[str, tuple[Array, Array]]:
@@ -195,7 +201,7 @@ def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> list[tuple
             values.append(value)
     y = np.concatenate(values)
     y = y[np.isfinite(y)]
-    if y.size and title not in LINEAR and 0.0 < _LOGARITHMIC * y.min() < y.max():
+    if y.size and title not in LINEAR and 0.0 < LOGARITHMIC * y.min() < y.max():
         axes.set_yscale("log")
         axes.set_ylim(max(y.min(), _ROUNDING * y.max()) / 1.3, y.max() * 1.3)
         label_short(axes.yaxis)

@@ -5,7 +5,7 @@ and its memory as the viscosity vanishes; of a validation resolved forces on the
 all errors below.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,8 @@ from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
 from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, label_short, plain, saved_figure
+from fsi.postprocess.plots.histories import LOGARITHMIC, read_strain
+from fsi.postprocess.run.run import Run
 from fsi.validation.rows import TERMS, Row, of_spheres
 
 _NAMED = 10  # most bodies that get a colour and a name
@@ -87,27 +89,39 @@ def _draw_rate_errors(axes: Axes, comparison: RateComparison) -> None:
     label_short(axes.yaxis)
 
 
-def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, path: Path) -> None:
+def plot_levels(
+    runs: Mapping[str, Run], paths: Trajectories, viscosities: ViscosityHistories | None, path: Path
+) -> None:
     """Draw the smallest gap of each level, and their apparent viscosities over each other, into a PNG file.
 
-    Raises InputError where it cannot be written.
+    Over the strain where all levels have one. Gaps whose positive values span a ratio above 10 are drawn
+    on a logarithmic axis too. Raises InputError where it cannot be written.
     """
-    panels = 2 if viscosities is None else 3
-    with saved_figure(path, (7.0, 2.7 * panels)) as figure:
-        axes = figure.subplots(panels, 1, sharex=True)
-        for level, gap in paths.smallest.items():
-            style = _style(level, paths.t)
-            axes[0].plot(paths.t, gap, label=level, **style)
-            axes[1].semilogy(paths.t, np.where(gap > 0.0, gap, np.nan), **style)
-        axes[0].set(ylabel="smallest gap")
-        axes[1].set(ylabel="smallest gap above 0")
-        label_short(axes[1].yaxis)
-        if viscosities is not None:
-            for level, mu in viscosities.mu.items():
-                axes[2].plot(viscosities.t, mu, **_style(level, viscosities.t))
-            axes[2].set(ylabel="apparent viscosity")
-        axes[-1].set(xlabel="time")
-        axes[0].legend()
+    strains = {level: strain for level, run in runs.items() if (strain := read_strain(run)) is not None}
+
+    def over(level: str, t: Array) -> Array:
+        if len(strains) < len(runs):
+            return t
+        return np.asarray(np.interp(t, runs[level].steps["t"].to_numpy(), strains[level]))
+
+    gaps = {level: np.where(gap > 0.0, gap, np.nan) for level, gap in paths.smallest.items()}
+    known = np.concatenate([gap[np.isfinite(gap)] for gap in gaps.values()])
+    curves = {"smallest gap": (paths.t, paths.smallest)}
+    if known.size and LOGARITHMIC * known.min() < known.max():
+        curves["smallest gap above 0"] = paths.t, gaps
+    if viscosities is not None:
+        curves["apparent viscosity"] = viscosities.t, dict(viscosities.mu)
+    with saved_figure(path, (7.0, 2.7 * len(curves))) as figure:
+        panels = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, (title, (t, values)) in zip(panels, curves.items(), strict=True):
+            for level, value in values.items():
+                axes.plot(over(level, t), value, label=level, **_style(level, t))
+            axes.set(ylabel=title)
+            if title.endswith("above 0"):
+                axes.set_yscale("log")
+                label_short(axes.yaxis)
+        panels[-1].set(xlabel="strain" if len(strains) == len(runs) else "t")
+        panels[0].legend()
 
 
 def plot_limit(name: str, study: Study, path: Path) -> None:

@@ -1,13 +1,16 @@
 """Paths of bodies in the plane, or of one as another sees it; and of matter on a line over time."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
 
 from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.plots.figure import COLOURS, GREY, LIGHT, Theme, plain_labels, plain_title, saved_figure
@@ -15,8 +18,10 @@ from fsi.postprocess.run.run import Run
 
 _SINGLY = len(COLOURS)  # of more bodies all paths have one colour
 _ACROSS = {2: ("x", "y"), 3: ("x", "z")}
+_POINTS = 200  # of an outline
+_PALE, _DARK = 0.25, 0.8  # opacity of outlines where a path begins, and where it ends
 _ROUNDING = 1e-9  # of the scale of a profile
-RARE = 0.05  # of the largest density: less is vacuum, where nothing moves or remembers
+_APART = 2.0  # times as far as both have their other neighbours: what two parcels leave is vacuum
 # Columns of profiles.csv, what they are, and their colours: perceptual, on both sides of zero for u.
 PROFILES = {
     "rho": (r"density $\rho$", "viridis"),
@@ -57,37 +62,53 @@ def relative_path(run: Run, pair: str) -> Array:
 
 def plot_paths(run: Run, output: Path, relative: str | None = None, theme: Theme = LIGHT) -> None:
     """Draw the paths, with the bodies where they began and ended. Raises InputError."""
-    names, radii = run.case.names, run.case.configuration().radii
-    if any(body.shape is not None for body in run.case.bodies):
-        raise InputError("bodies: have shapes, but paths are drawn with discs; draw them by `fsi render`")
+    names, x = run.case.names, paths(run)
+    ends = [_outlines(run.configuration(int(run.steps["step"].iloc[k]))) for k in (0, -1)]
     with saved_figure(output, (7.0, 6.0), theme=theme) as figure:
         axes = figure.add_subplot(aspect="equal", adjustable="datalim", title=plain_title(run.case.name))
         if relative is not None:
-            x = relative_path(run, relative)
+            apart = relative_path(run, relative)
             seen, centre = (word.strip() for word in relative.split(","))
-            axes.add_patch(Circle((0.0, 0.0), float(radii[names.index(centre)]), color=GREY, alpha=0.5, lw=0))
-            axes.plot(*x.T, color=COLOURS[0], label=",\nseen from ".join(plain_labels([seen, centre])))
-            axes.plot(*x[0], "o", color=COLOURS[0], mfc="none")
+            axes.plot(*apart.T, color=COLOURS[0], label=",\nseen from ".join(plain_labels([seen, centre])))
+            axes.plot(*apart[0], "o", color=COLOURS[0], mfc="none")
+            _draw_ends(axes, apart, [outlines[names.index(seen)] for outlines in ends], COLOURS[0])
+            _draw_ends(axes, 0.0 * apart, [outlines[names.index(centre)] for outlines in ends], GREY)
             axes.legend()
         else:
-            _draw_paths(axes, names, paths(run), radii)
+            _draw_paths(axes, names, x, ends)
+        axes.autoscale_view()
         horizontal, vertical = _ACROSS[run.case.dimension]
         axes.set(xlabel=horizontal, ylabel=vertical)
 
 
-def _draw_paths(axes: Axes, names: tuple[str, ...], x: Array, radii: Array) -> None:
-    """Of all bodies: few have colours and names; outlines are pale at the start."""
+def _outlines(q: Configuration) -> list[Array]:
+    """Of each body around its centre, as it is seen, (n, 2)."""
+    turn = np.linspace(0.0, 2.0 * np.pi, _POINTS, endpoint=False)
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    if q.outlines:
+        return [body.drawn(_POINTS) - body.centre for body in q.placed]
+    if q.ellipsoids:  # seen along y
+        across = [body.axes[[0, 2]] for body in q.standing]
+        return [circle @ np.linalg.cholesky(M @ M.T).T for M in across]
+    return [radius * circle for radius in q.radii]
+
+
+def _draw_ends(axes: Axes, x: Array, outlines: Sequence[Array], colour: str) -> None:
+    """The outlines of a body where its path x (steps, 2) begins, pale, and where it ends."""
+    for at, outline, alpha in zip((x[0], x[-1]), outlines, (_PALE, _DARK), strict=True):
+        axes.add_patch(Polygon(at + outline, fill=False, color=colour, lw=1.0, alpha=alpha))
+
+
+def _draw_paths(axes: Axes, names: tuple[str, ...], x: Array, ends: Sequence[Sequence[Array]]) -> None:
+    """Of all bodies (steps, N, 2), with their outlines at both ends: few have colours and names."""
     few = len(names) <= _SINGLY
     labels = plain_labels(names) if few else [None] * len(names)
     for k, label in enumerate(labels):
         colour = COLOURS[k] if few else COLOURS[0]
         axes.plot(*x[:, k].T, color=colour, lw=1.5 if few else 0.7, label=label)
-        for at, alpha in ((0, 0.25), (-1, 0.8)):
-            style = {"fill": False, "color": colour, "lw": 1.0, "alpha": alpha}
-            axes.add_patch(Circle((float(x[at, k, 0]), float(x[at, k, 1])), float(radii[k]), **style))
+        _draw_ends(axes, x[:, k], [outlines[k] for outlines in ends], colour)
     if few:
         axes.legend()
-    axes.autoscale_view()
 
 
 def plot_space_time(run: Run, output: Path, theme: Theme = LIGHT) -> None:
@@ -103,7 +124,8 @@ def space_time_figure(run: Run, figure: Figure) -> Figure:
     """The figure with a panel for each. Raises InputError."""
     grids = _over_space_and_time(run)
     x, t, scales = grids["x"], grids["t"], profile_scales(run)
-    there = grids["rho"] > RARE * grids["rho"].max()
+    empty = np.array([vacuum(row) for row in x])
+    there = ~(np.pad(empty, ((0, 0), (1, 0))) | np.pad(empty, ((0, 0), (0, 1))))
     period = (t.min(), t.max()) if len(t) > 1 else None  # cells around the first and last reach further
     panels = figure.subplots(1, len(PROFILES), sharex=True, sharey=True)
     for axes, (name, (label, colours)) in zip(panels, PROFILES.items(), strict=True):
@@ -118,6 +140,18 @@ def space_time_figure(run: Run, figure: Figure) -> Figure:
         figure.colorbar(drawn, ax=axes)
     panels[0].set_ylabel("t")
     return figure
+
+
+def vacuum(x: Array) -> NDArray[np.bool_]:
+    """Between which neighbours of parcels at x (n,) there is no matter, (n - 1,).
+
+    Where matter is rare all neighbours are far apart, on either side of vacuum these two alone are: they have
+    half their mass in it, and their density tells of its width, not of matter in it.
+    """
+    apart = np.diff(x)
+    around = np.pad(apart, 1, mode="edge")  # two alone are matter
+    empty: NDArray[np.bool_] = apart > _APART * np.maximum(around[:-2], around[2:])
+    return empty
 
 
 def profile_scales(run: Run) -> dict[str, float]:

@@ -19,10 +19,10 @@ from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.render.canvas import ASLANT, Picture, new_panel, new_spatial_panel
-from fsi.postprocess.render.fields import Span, one_colour
 from fsi.postprocess.render.mean_flow import sliding_walls
 from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
+from fsi.postprocess.render.scales import Span, one_colour
 from fsi.postprocess.render.scenes import images
 from fsi.postprocess.render.view import Choice, View, around_all, around_period
 from fsi.postprocess.render.walls import draw_open_walls, inside_walls

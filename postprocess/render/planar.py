@@ -13,7 +13,6 @@ from fsi.postprocess.render.curved_cells import edges, rims
 from fsi.postprocess.render.fields import (
     DISTURBANCE,
     RenderedField,
-    Span,
     field_names,
     rendered_field,
 )
@@ -70,22 +69,20 @@ class PlanarArtist(FlowArtist):
         window = window_on(self.run, steps, self._mesh(steps[0]))
         if len(self.panels) > 1 and all(self._is_wide(step, window) for step in steps):
             self.panels = self.panels[:1]
-        spans = self._spans(steps, window)
-        return (self._picture(step, window, spans) for step in steps)
+        shades = self._shades(steps, window)
+        return (self._picture(step, window, shades) for step in steps)
 
     def _is_wide(self, step: int, window: View) -> bool:
         """Whether the narrowest gap of a step is so wide that a close-up has nothing to show."""
         gap = gap_at(self.run, step, None, window)
         return gap.width > _WIDE * float(self.run.configuration(step).radii.max())
 
-    def _spans(self, steps: Sequence[int], window: View) -> list[Span]:
-        """The range of colours of each panel, over all those steps."""
-        if self.choice.span is not None:
-            return [self.choice.span] * len(self.panels)
+    def _shades(self, steps: Sequence[int], window: View) -> list[ScalarMappable]:
+        """What the colours of each panel mean, over all those steps."""
         scenes = (self._scenes(step, window) for step in steps)
-        each = [[field.scale.span(*seen.samples(field)) for field, seen, _ in at] for at in scenes]
+        each = [[field.scale.seen(*seen.samples(field)) for field, seen, _ in at] for at in scenes]
         return [
-            field.scale.joined(of)
+            field.shades(of, self.choice.span)
             for (field, _), of in zip(self.panels, zip(*each, strict=True), strict=True)
         ]
 
@@ -100,10 +97,9 @@ class PlanarArtist(FlowArtist):
             shown.append((field, scene(self.run, step, self._mesh(step), view, tractions), gap))
         return shown
 
-    def _picture(self, step: int, window: View, spans: Sequence[Span]) -> Picture:
+    def _picture(self, step: int, window: View, each: Sequence[ScalarMappable]) -> Picture:
         scenes, framed = self._scenes(step, window), []
-        for (field, seen, gap), span in zip(scenes, spans, strict=True):
-            shades = field.shades(span)
+        for (field, seen, gap), shades in zip(scenes, each, strict=True):
             panel = new_panel(seen.view, self.choice.size, self.choice.theme)
             draw_open_walls(panel, self.run)
             _draw(panel, seen, field, shades)

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from fsi.arrays import Array
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import BLUE
-from fsi.postprocess.plots.trajectories import PROFILES, RARE, profile_ends, profile_scales
+from fsi.postprocess.plots.trajectories import PROFILES, profile_ends, profile_scales, vacuum
 from fsi.postprocess.render.canvas import Picture
-from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Artist, pixels
+from fsi.postprocess.render.scales import Span
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 
@@ -76,5 +76,4 @@ def profile_figure(
 
 def _parted(line: Array) -> Array:
     """A line through parcels (2, n) with a point that is no number wherever vacuum parts neighbours."""
-    apart = np.diff(line[0])  # the inverse of the density in between: parcels have one mass
-    return np.insert(line, np.flatnonzero(RARE * apart > apart.min()) + 1, np.nan, axis=1)
+    return np.insert(line, np.flatnonzero(vacuum(line[0])) + 1, np.nan, axis=1)

@@ -16,8 +16,9 @@ from fsi.errors import InputError
 from fsi.meshes.geometry.placed import Placed
 from fsi.postprocess.render.canvas import Picture, new_spatial_panel
 from fsi.postprocess.render.curved_cells import cells_within, refine
-from fsi.postprocess.render.fields import Span, rendered_field
+from fsi.postprocess.render.fields import rendered_field
 from fsi.postprocess.render.picture import Artist, Framed, compose
+from fsi.postprocess.render.scales import Seen
 from fsi.postprocess.render.scenes import scene, window_on
 from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.run import Run
@@ -44,8 +45,7 @@ class RevolvedArtist(Artist):
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         window = window_on(self.run, steps, self.run.mesh(steps[0]))
-        span = self.choice.span or self.field.scale.joined([self._span(step, window) for step in steps])
-        shades = self.field.shades(span)
+        shades = self.field.shades([self._seen(step, window) for step in steps], self.choice.span)
         ends = self.field.scale.cut if self.choice.span is None else "both"
         for step, view in zip(steps, repeat(window)):
             half = _ASLANT * view.half
@@ -53,10 +53,10 @@ class RevolvedArtist(Artist):
             framed = Framed(self._image(step, view, shades), title, half, self.field.label, shades, ends)
             yield compose(self.title(step), [framed], self.choice.theme)
 
-    def _span(self, step: int, window: View) -> Span:
-        """The range of colours of the flat picture, to which nodes in films and on walls count for little."""
+    def _seen(self, step: int, window: View) -> Seen:
+        """What colours the flat picture, to which nodes in films and on walls count for little."""
         flat = scene(self.run, step, self.run.mesh(step), window, tractions=False)
-        return self.field.scale.span(*flat.samples(self.field))
+        return self.field.scale.seen(*flat.samples(self.field))
 
     def _image(self, step: int, window: View, shades: ScalarMappable) -> Picture:
         (_, bottom), (right, top) = window.low, window.high

@@ -13,10 +13,11 @@ from fsi.bodies.surface_gap import gap_between
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import ASLANT, INK, Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.cut import Cut, Flow, cut_cells, flow_on, plane_of_choice, through_gap
-from fsi.postprocess.render.fields import DISTURBANCE, RenderedField, exceeded, rendered_field
+from fsi.postprocess.render.fields import DISTURBANCE, RenderedField, rendered_field
 from fsi.postprocess.render.mean_flow import is_sheared
 from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
+from fsi.postprocess.render.scales import Seen, exceeded
 from fsi.postprocess.render.view import Choice, View, around_all
 from fsi.postprocess.render.walls import draw_open_walls
 from fsi.postprocess.run.run import Run
@@ -100,18 +101,18 @@ class SpatialArtist(FlowArtist):
 
     def _shades(self, field: RenderedField, parts: Sequence[Flow]) -> ScalarMappable:
         """The same colours for the same values at all steps."""
-        if self.choice.span is not None:
-            return field.shades(self.choice.span)
         if field.on_bodies:
             sized = [surface.compute_cell_sizes(length=False, volume=False) for surface, _ in parts]
             values = np.concatenate([each.point_data_to_cell_data()["value"] for each in sized])
             areas = np.concatenate([each["Area"] for each in sized])
-            low, high = field.scale.span(np.minimum(values, exceeded(values, areas, _FILMS)), areas)
-            span = (min(low, _DECADE * high), high)
+            (low, high), typical = field.scale.seen(
+                np.minimum(values, exceeded(values, areas, _FILMS)), areas
+            )
+            seen = Seen((min(low, _DECADE * high), high), typical)
         else:
             values = np.concatenate([np.asarray(surface["value"]) for surface, _ in parts])
-            span = field.scale.span_on_plane(values)
-        return field.shades(field.scale.joined([span]))
+            seen = field.scale.seen_on_plane(values)
+        return field.shades([seen], self.choice.span)
 
     def _period(self, step: int, middle: Array | None = None) -> PeriodicBox | None:
         """The box of one period, if the domain has any."""

@@ -19,9 +19,9 @@ from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import Picture, new_panel
-from fsi.postprocess.render.fields import FromZero, Span, shaded
 from fsi.postprocess.render.mean_flow import sliding_walls, undisturbed
 from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
+from fsi.postprocess.render.scales import FromZero, Seen, shaded
 from fsi.postprocess.render.scenes import images
 from fsi.postprocess.render.view import Choice, View, around_all, around_period
 from fsi.postprocess.render.walls import draw_open_walls, inside_walls
@@ -83,7 +83,8 @@ class MotionArtist(Artist):
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         view = self._window(steps)
-        shades = shaded(FromZero(), self.choice.span or self._span(steps), colormaps[_MAP])
+        seen = self._seen(steps)
+        shades = shaded(FromZero(), seen._replace(span=self.choice.span or seen.span), colormaps[_MAP])
         return (self._picture(step, view, shades) for step in steps)
 
     def _window(self, steps: Sequence[int]) -> View:
@@ -94,10 +95,10 @@ class MotionArtist(Artist):
         q = [self._moving(step).q for step in steps]
         return around_all(np.stack([at.centres for at in q]), q[0].radii)
 
-    def _span(self, steps: Sequence[int]) -> Span:
-        """From zero to what hardly any body exceeds in those steps."""
+    def _seen(self, steps: Sequence[int]) -> Seen:
+        """Speeds from zero to what hardly any body exceeds in those steps."""
         speeds = np.concatenate([self._moving(step).speed for step in steps])
-        return FromZero().span(speeds, np.ones(len(speeds)))
+        return FromZero().seen(speeds, np.ones(len(speeds)))
 
     def _read(self, step: int) -> MovingBodies:
         q, table = self.run.configuration(step), self.run.bodies

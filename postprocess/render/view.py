@@ -12,7 +12,7 @@ from fsi.arrays import Array
 from fsi.bodies.surface_gap import SurfaceGap
 from fsi.meshes.geometry.container import Container
 from fsi.postprocess.plots.figure import DARK, LIGHT, Theme
-from fsi.postprocess.render.fields import Span
+from fsi.postprocess.render.scales import Span
 
 _CLOSE_UP = 12.0  # width of the close-up, in gaps
 _STRIP = 0.4  # height of the close-up over its width: films are long

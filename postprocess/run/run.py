@@ -116,6 +116,11 @@ class Run:
         path, commit = self.path / f"{name}.csv", self._commit
         if name == "bodies" and not self.case.names:
             raise InputError(f"{self.path}: the run has no bodies, and so no {path.name}")
+        there = {each.stem for each in self.path.glob("*.csv")}
+        lost = path.name in (*(commit.lengths if commit else ()), "steps.csv", "bodies.csv")
+        if there and name not in there and not lost:
+            known = sorted(there if self.case.names else there - {"bodies"})
+            raise InputError(f"table = {name}: the run has none of it; give {', '.join(known)}")
         if commit is None:
             if not path.exists():
                 raise InputError(f"{path}: is not there yet; continue the run with `fsi resume`")

@@ -10,9 +10,18 @@ import pytest
 from matplotlib.figure import Figure
 
 import fsi
+from fsi.arrays import Array
+from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
+from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.postprocess.plots.histories import plot_runs, read_history
-from fsi.postprocess.plots.trajectories import paths, plot_paths, relative_path, space_time_figure
+from fsi.postprocess.plots.trajectories import (
+    _outlines,
+    paths,
+    plot_paths,
+    relative_path,
+    space_time_figure,
+)
 from tests.commands import fsi_command
 
 CASE = """
@@ -168,17 +177,49 @@ def test_figures_and_refusals(run: fsi.Run, capfd: pytest.CaptureFixture[str]) -
 
 
 def test_discs_over_profiled_walls_have_paths(run: fsi.Run, drawn: list[Figure]) -> None:
-    """Two circles for each of the two, at both ends; bodies with shapes of their own are refused."""
+    """Two circles for each of the two, at both ends."""
     wave = '{ kind = "wave", height = 0.1, length = 1.0, number = 2, start = 1.0 }'
     walls = CASE.replace('periodic = ["x"]', f"profiles.bottom = {wave}")
     walls = walls.replace("[0.0, 0.0]", "[-4.0, 0.0]").replace("10.0,", "14.0,")
     (run.path / "case.toml").write_text(walls)
     plot_paths(fsi.open_run(run.path), run.path / "a.png")
-    assert len(drawn[0].axes[0].patches) == 4
-    ellipse = CASE.replace("radius = 1.0", 'shape = { kind = "ellipse", axes = [1.0, 0.5] }')
-    (run.path / "case.toml").write_text(ellipse)
-    with pytest.raises(InputError, match="bodies: have shapes, but paths are drawn with discs"):
-        plot_paths(fsi.open_run(run.path), run.path / "a.png")
+    centres = np.array([outline.mean(axis=0) for outline in outlines(drawn[0])])
+    np.testing.assert_allclose(centres, [[1.0, 1.5], [1.0, 1.5], [9.5, 2.5], [12.5, 3.5]])
+    around = [outline - centre for outline, centre in zip(outlines(drawn[0]), centres, strict=True)]
+    np.testing.assert_allclose(np.hypot(*around[1].T), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(np.hypot(*around[3].T), 0.5, rtol=1e-12)
+    assert len(around) == 4
+
+
+def outlines(figure: Figure) -> list[Array]:
+    """Of the bodies at both ends of their paths, (n, 2) each."""
+    return [np.asarray(patch.get_path().vertices)[:-1] for patch in figure.axes[0].patches]
+
+
+@pytest.mark.parametrize(("relative", "centre"), [(None, (1.0, 1.5)), ("b,a", (0.0, 0.0))])
+def test_paths_of_shapes_have_their_outlines_as_they_are_turned(
+    relative: str | None, centre: tuple[float, float], run: fsi.Run, drawn: list[Figure]
+) -> None:
+    """An ellipse turns from 0 to 1: (x/1)^2 + (y/0.5)^2 = 1 along its axes; unturned that is up to 3.1."""
+    shapes = CASE.replace("radius = 1.0", 'shape = { kind = "ellipse", axes = [1.0, 0.5] }')
+    (run.path / "case.toml").write_text(shapes)
+    plot_paths(fsi.open_run(run.path), run.path / "a.png", relative)
+    found = outlines(drawn[0])
+    assert len(found) == 4
+    for outline, angle in zip(found[:2] if relative is None else found[2:], (0.0, 1.0), strict=True):
+        turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        x, y = turned @ (outline - centre).T
+        np.testing.assert_allclose(x**2 + (y / 0.5) ** 2, 1.0, rtol=1e-9)
+
+
+def test_an_ellipsoid_is_seen_as_it_reaches_along_x_and_z() -> None:
+    """In a direction n it reaches |M^T n|, its outline that less (pi/200)^2/2 at most; cut through, less."""
+    form, turn = Ellipsoid(np.array([1.0, 0.5, 0.3])), np.array([[0.4, 0.9, -0.5]])
+    q = Configuration(np.zeros((1, 3)), turn, np.ones(1), ellipsoids=(form,))
+    (outline,) = _outlines(q)
+    for n in np.array([[1.0, 0.0], [0.0, 1.0], [0.6, 0.8]]):
+        reach = np.linalg.norm(q.standing[0].axes.T @ [n[0], 0.0, n[1]])
+        assert (outline @ n).max() == pytest.approx(reach, rel=2e-4)
 
 
 @pytest.mark.parametrize(("gamma", "ends"), [(-4e-14, (-1.0, 1.0)), (-0.5, (-0.5, 0.0))])

@@ -34,8 +34,8 @@ def test_colours_turned_around_the_axis_are_those_of_the_plane(run: Path) -> Non
     case.write_text(case.read_text().replace('"planar"', '"axisymmetric"'))
     here = fsi.open_run(run)
     window = window_on(here, [2], here.mesh(2))
-    (flat,) = MeridianArtist(here, Choice("speed"))._spans([2], window)
-    assert RevolvedArtist(here, Choice("speed", revolved=True))._span(2, window) == flat
+    (flat,) = MeridianArtist(here, Choice("speed"))._shades([2], window)
+    assert RevolvedArtist(here, Choice("speed", revolved=True))._seen(2, window).span == flat.get_clim()
 
 
 def test_vorticity_turned_around_the_axis(run: Path) -> None:

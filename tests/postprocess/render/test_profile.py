@@ -14,7 +14,13 @@ from PIL.GifImagePlugin import GifImageFile
 
 import fsi
 from fsi.errors import InputError
-from fsi.postprocess.plots.trajectories import plot_paths, profile_ends, profile_scales, space_time_figure
+from fsi.postprocess.plots.trajectories import (
+    plot_paths,
+    profile_ends,
+    profile_scales,
+    space_time_figure,
+    vacuum,
+)
 from fsi.postprocess.render import canvas
 from fsi.postprocess.render.profile import ProfileArtist, profile_figure
 from fsi.postprocess.render.render import render_run
@@ -119,7 +125,7 @@ def test_what_has_no_bodies_has_no_trajectories(blocks: Run) -> None:
 def test_space_and_time_of_a_macroscopic_run(blocks: Run) -> None:
     """At the three times; between the blocks there is no matter, and nothing that moves.
 
-    At first the parcels beside the vacuum have rho = 0.05 / 1.05, their mass over half of what is between.
+    The parcels beside the vacuum have half of it each: at last rho = 0.05 / 0.675, which was drawn across.
     """
     figure = space_time_figure(blocks, Figure())
     density, velocity = (axes.collections[0] for axes in figure.axes[:2])
@@ -128,11 +134,26 @@ def test_space_and_time_of_a_macroscopic_run(blocks: Run) -> None:
     )
     assert rho[:, [5, 15, 25, 35]] == pytest.approx(1.0)
     assert density.get_clim() == pytest.approx((0.0, 1.0))
-    for values in (rho, u):
-        np.testing.assert_array_equal(np.flatnonzero(np.isnan(values[0])), [19, 20])
+    for values in (*rho, *u):
+        np.testing.assert_array_equal(np.flatnonzero(np.isnan(values)), [19, 20])
     np.testing.assert_allclose(u[:, [5, 35]], np.tile([1.0, -0.5], (3, 1)))
     assert fsi_command("plot", blocks.path, "-o", blocks.path / "st.svg") == 0
     assert (blocks.path / "st.svg").read_bytes().startswith(b"<?xml")
+
+
+@pytest.mark.parametrize(
+    ("apart", "empty"),
+    [
+        ([1.0, 1.0, 3.0, 1.0], [2]),
+        ([1.0, 1.0, 13.0, 25.0, 25.0], []),  # matter of density 0.04 beside dense matter
+        ([1.0, 1.0, 60.0, 25.0, 25.0], [2]),
+        ([7.0], []),
+    ],
+)
+def test_vacuum_is_wider_than_what_is_on_either_side(apart: list[float], empty: list[int]) -> None:
+    """Not where parcels are twenty times as far apart as others: 3 was matter, 25 was vacuum."""
+    x = np.cumsum([0.0, *apart])
+    np.testing.assert_array_equal(np.flatnonzero(vacuum(x)), empty)
 
 
 def test_profiles_that_were_changed_are_refused(blocks: Run, monkeypatch: pytest.MonkeyPatch) -> None:

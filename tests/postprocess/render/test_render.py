@@ -71,7 +71,7 @@ def test_wide_gaps_have_no_close_up(
     """Below the disc at 1.2 they are 3.8 and 5 radii wide; up to 4 there is something to see."""
     case = run / "case.toml"
     case.write_text(case.read_text().replace("radius = 1.0", f"radius = {radius}"))
-    monkeypatch.setattr(PlanarArtist, "_spans", lambda *_: [])
+    monkeypatch.setattr(PlanarArtist, "_shades", lambda *_: [])
     monkeypatch.setattr(PlanarArtist, "_picture", lambda painter, *_: len(painter.panels))
     assert [*PlanarArtist(fsi.open_run(run), Choice()).pictures([0, 2])] == [panels, panels]
 

@@ -38,6 +38,8 @@ def test_times_and_meshes_of_the_steps_with_fields(run: Path) -> None:
 def test_another_series_is_refused_with_those_there_are(run: Path) -> None:
     with pytest.raises(InputError, match=r"^series = foo: the run has none of it; give fluid"):
         fsi.open_run(run).mesh(0, "foo")
+    with pytest.raises(InputError, match=r"^table = foo: the run has none of it; give bodies$"):
+        fsi.open_run(run).table("foo")
 
 
 def test_a_run_without_bodies_says_so(tmp_path: Path) -> None:
@@ -52,6 +54,8 @@ def test_a_run_without_bodies_says_so(tmp_path: Path) -> None:
     assert done.finished
     with pytest.raises(InputError, match=r"the run has no bodies, and so no bodies\.csv$"):
         done.table("bodies")
+    with pytest.raises(InputError, match=r"^table = contacts: the run has none of it; give profiles, steps$"):
+        done.table("contacts")
 
 
 def test_a_step_without_fields(run: Path) -> None:
