@@ -37,9 +37,14 @@ value, by up to 9.4 times (`python -m bench.bars --kinds "spheres in a cell" --s
 is FEWER_COARSE and the part CHANCE_COARSE. Degree 2, which has none below, takes one more. What is small by
 chance is known to the part CHANCE_LOWEST there: a velocity beside a swimmer with slip missed by 0.13 of that.
 
-Where fluid slides or bodies swim both degrees miss the same in part: of a swimmer in balls of 1.5 to 5 radii,
-with slip lengths of 0.05 to 1, degree 3 errs by 0.02 to 1.06 times the largest difference of its velocities.
-There each value is known to SAFETY times the largest.
+Where fluid slides both degrees may miss the same in part: of a swimmer in balls of 1.5 to 5 radii, with slip
+lengths of 0.05 to 1, degree 3 errs by 0.02 to 1.06 times the largest difference of its velocities, as does
+the torque on a sphere with a slip length of 10. There each value is known to SAFETY times the largest. Loads
+on held bodies, between walls that fluid sticks to and with slip lengths up to SHORT_SLIP of the smallest
+radius, err by 0.04 to 0.3 of it, what symmetry makes zero by up to 0.1 (a sphere that turns in a ball of two
+radii); swimmers without slip by up to 0.3 of their own difference (two in a ball, with a gap of 0.1 radii),
+and by 0.04 of the largest where symmetry makes them zero. For both the factor is FEWER_SLIDING, the part
+CHANCE.
 
 Of many discs one degree more costs twice the solution itself and twice its memory, one degree
 less half of it. For k = 4 it is used there too: what it misses is some 20 times the error of the apparent
@@ -77,6 +82,7 @@ SAFETY = 1.5
 JOINTED = 2.0  # what one degree more gains at least beside outlines whose derivatives jump
 _OF_JOINTS = SAFETY / (1.0 - 1.0 / JOINTED)
 FEWER, FEWER_COARSE, COARSE = 0.25, 0.75, 10
+FEWER_SLIDING, SHORT_SLIP = 0.75, 0.5  # the latter of the smallest radius
 OF_MANY, MANY_DEGREE, CHANCE_OF_MANY = 0.25, 4, 0.2
 FINER = {2: 2.0, 3: 1.5}
 # How the error of a force goes with h beside edges of a box in space.
@@ -139,11 +145,21 @@ def _of_elements_in_space(case: Case) -> Comparison:
     degree = case.discretisation.degree
     if degree == LOWEST:
         return Comparison(degree + 1, 1.0, SAFETY, CHANCE_LOWEST, CHANCE_LOWEST)
-    if _slides(case):
+    if slip_lengths(case) and not _sticks_nearly(case):
         return Comparison(degree - 1, 1.0, SAFETY, 1.0, 1.0)
     if case.discretisation.cells_per_circle < COARSE:
         return Comparison(degree - 1, 1.0, FEWER_COARSE, CHANCE_COARSE, CHANCE_COARSE)
+    if _slides(case):
+        return Comparison(degree - 1, 1.0, FEWER_SLIDING, CHANCE, CHANCE)
     return Comparison(degree - 1, 1.0, FEWER, CHANCE_FEWER, CHANCE, CHANCE_OF_FREE)
+
+
+def _sticks_nearly(case: Case) -> bool:
+    """Whether degree 2 tells the error where fluid slides: along bodies that are held, and not far."""
+    q, slips = case.configuration(), slip_lengths(case)
+    if case.wall_slip() or _swims(case) or not case.motion_at(q, 0.0).held.all():
+        return False
+    return bool(max(slips.values()) <= SHORT_SLIP * q.radii.min())
 
 
 def _is_smooth_and_crowded(case: Case) -> bool:
@@ -155,7 +171,11 @@ def _is_smooth_and_crowded(case: Case) -> bool:
 
 def _slides(case: Case) -> bool:
     """Whether fluid slides or bodies swim."""
-    return bool(slip_lengths(case)) or any(body.swims for body in case.bodies)
+    return bool(slip_lengths(case)) or _swims(case)
+
+
+def _swims(case: Case) -> bool:
+    return any(body.swims for body in case.bodies)
 
 
 def _edge_orders(case: Case) -> set[float]:

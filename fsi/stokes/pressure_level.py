@@ -1,7 +1,10 @@
 """The level of the pressure, which a flow without open walls leaves free.
 
-With the mean pressure gradient G, and x_m the middle of a domain with walls, of a cell, which moves, the
-origin, the pressure is taken to be
+Open walls fix it. What the pressures outside have in common drives nothing and is no part of what is solved:
+beside 1e4 of it small residuals are a flow. It is put back here.
+
+Without such walls, with the mean pressure gradient G, and x_m the middle of a domain with walls, of a cell,
+which moves, the origin, the pressure is taken to be
 
     p = G.(x - x_m) + p',      int p' = 0 over the fluid,
 
@@ -50,11 +53,12 @@ def at_level(system: StokesSystem, reaction: Array, of_bodies: Array) -> Array:
 
 
 def pressure_level(system: StokesSystem, solution: NodalSolution) -> PressureLevel:
-    """The level of a solution; nothing is taken off where walls are open, which fix it. Collective."""
+    """The level of a solution; where walls are open, that of the outside is put back. Collective."""
     layout, problem = system.layout, system.problem
     q, G, none = problem.q, solution.pressure_gradient, np.zeros(len(problem.q))
     if problem.boundary.pressures:
-        return PressureLevel(0.0, none, none)
+        outside = problem.boundary.outside_level
+        return PressureLevel(-outside, none - outside, none - outside)
     # The weights of the nodal values are the integrals of the shape functions.
     here = np.array([system.weights @ solution.x[layout.velocities :], system.weights.sum()])
     of_p, volume = layout.comm.allreduce(here)

@@ -47,6 +47,15 @@ class Boundary:
     slip_lengths: Mapping[str, float] = field(default_factory=dict)
     shear_rate: float = 0.0
 
+    @property
+    def outside_level(self) -> float:
+        """What the pressures of all open walls have in common: the least in size, 0 if signs differ.
+
+        It drives nothing, so that flows are solved without it and have it put back into p alone.
+        """
+        outside = self.pressures.values()
+        return min(max(0.0, min(outside)), max(outside)) if outside else 0.0
+
     def faster(self, speeds: Mapping[str, float], rate: float) -> Boundary:
         """The same with walls that slide along x, and a cell that is sheared, so much faster."""
         walls = {wall: _sliding(self.velocities[wall], speed) for wall, speed in speeds.items()}

@@ -214,7 +214,10 @@ def _pinned_pressure(fluid: FluidMesh, forms: Forms, weights: Array) -> int | No
 
 
 def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
-    """Nodal loads b: (f, v) and, on open walls, <t, v> with t = -p n; this rank's rows."""
+    """Nodal loads b: (f, v) and, on open walls, <t, v> with t = -p n; this rank's rows.
+
+    Without the level of the pressures outside, beside which residuals would say nothing of the flow.
+    """
     fluid, boundary, b = problem.fluid, problem.boundary, np.zeros(rows)
     velocities = forms.velocities
     if (f := boundary.body_force) is not None:
@@ -222,7 +225,8 @@ def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
         b[:velocities] += nodal_vector(forms.bind("load"))
     for wall, pressure in boundary.pressures.items():
         tag = fluid.wall_tag(wall)
-        b[:velocities] -= pressure * nodal_vector(forms.bind("normal", facets_with(fluid, tag, tag)))
+        normal = nodal_vector(forms.bind("normal", facets_with(fluid, tag, tag)))
+        b[:velocities] -= (pressure - boundary.outside_level) * normal
     return b
 
 

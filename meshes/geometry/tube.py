@@ -1,4 +1,4 @@
-"""The round tube in space, closed at both ends."""
+"""The round tube in space, with both ends."""
 
 from __future__ import annotations
 

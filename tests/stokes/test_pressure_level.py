@@ -20,6 +20,7 @@ from fsi.stokes.solution import StokesSolution
 from fsi.stokes.traction import traction
 from tests.flows import SMALL_BOX, discs, held, solved
 from tests.periodic import LIGHT, in_cell, in_channel
+from tests.stokes import spatial_flows
 
 OBLIQUE = Cell(((3.0, 0.0), (0.7, 2.8)), ((0.0, 0.0), (0.0, 0.0)))
 PULLED = held((1.0, 0.5, 0.0))
@@ -88,3 +89,23 @@ def test_a_disc_pulled_along_a_channel() -> None:
     assert_allclose(found.bulk.stresslets[0], 0.0, atol=1e-3)
     p = [found.evaluate(np.array([[2.2 + side * 1.4, 2.0 + side * 0.9]]))[1] for side in (1.0, -1.0)]
     assert_allclose(0.5 * (p[0] + p[1]), 3.0 * (2.2 - 3.5), atol=1e-2)
+
+
+def test_a_pressure_all_around_adds_itself_alone() -> None:
+    """Of 1e4 residuals of 1e-10 moved spheres by 1e-7; the traction on a surface is its own, -1e4 n."""
+    found = []
+    for outside in (0.0, 1e4):
+        walls = {"bottom": {"pressure": outside + 1.0}, "top": {"pressure": outside}}
+        data = spatial_flows.BOX | {"domain": spatial_flows.BOX["domain"] | {"walls": walls}}
+        found.append(spatial_flows.solved(spatial_flows.case(data, solver="iterative", growth=1.0)))
+    below, above = found
+    assert_allclose(above.U, below.U, atol=1e-9 * np.abs(below.U).max())
+    assert_allclose(above.F, below.F, atol=1e-9 * np.abs(below.F).max())
+    x = np.array([[2.3, 0.2, 0.1], [-1.5, 1.4, -2.5]])
+    (u, p), (of_both, level) = below.evaluate(x), above.evaluate(x)
+    assert_allclose(of_both, u, atol=1e-9 * np.abs(u).max())
+    assert_allclose(level - p, 1e4, rtol=1e-9)
+    on_large = above.surface.x[:, 2] < -0.5
+    r = (above.surface.x - [-0.5, 0.2, -1.5])[on_large]
+    more = (traction(above.surface) - traction(below.surface))[on_large]
+    assert_allclose(more, 1e4 * r, atol=100.0)  # n = -r out of the fluid; 1e4 if left out

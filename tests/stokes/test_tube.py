@@ -19,6 +19,7 @@ from fsi.stokes.model import StokesModel
 from tests.ranks import json_on, needs_mpi
 from tests.tube_flow import motion
 
+MOVING = {"times": [0.0, 1.0], "values": [0.0, 1.0]}
 CASE = Path(__file__).parents[2] / "cases" / "sphere_in_tube.toml"
 
 
@@ -107,6 +108,27 @@ def test_bars_hold_between_open_ends(length: float, radius: float, force: float,
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("walls", "flat"),
+    [
+        ({"side": "open"}, {"right": "open"}),
+        ({"side": {"pressure": 3.0}, "top": "open"}, {"right": {"pressure": 3.0}, "top": "open"}),
+        ({"side": "open", "bottom": [0.0, 0.0, 1.0]}, {"right": "open", "bottom": [0.0, 1.0]}),
+        ({"bottom": {"slip_length": 0.5}, "top": "open"}, {"bottom": {"slip_length": 0.5}, "top": "open"}),
+    ],
+)
+def test_other_walls_are_those_of_the_meridional_plane(walls: dict[str, Any], flat: dict[str, Any]) -> None:
+    """Within the bars: 0.038 beside an open side, 0.009 in the closed tube."""
+    data = in_tube(2.0, 6.0, 0.0, discretisation={"cells_per_circle": 12, "growth": 0.8})
+    data["bodies"][0] |= {"position": [0.0, 0.0, 0.7]}
+    data["domain"] |= {"walls": walls}
+    found, exact = fsi.solve(parse_case(data)), fsi.solve(on_the_axis(6.0, 0.7, 1.0, 1.0, flat))
+    assert found.errors is not None
+    assert abs(found.instant.U[0, 2] - exact.instant.U[0, 1]) < found.errors.U[0, 2]
+    assert abs(found.dissipation - exact.dissipation) < found.errors.dissipation
+
+
+@pytest.mark.slow
 def test_on_the_axis_it_settles_as_in_the_meridional_plane() -> None:
     """An independent mesh and solver; in a tube 1 % narrower it were 3 % slower."""
     body = {"name": "ball", "radius": 1.0, "position": [0.0, 0.0], "force": [0.0, 1.0]}
@@ -178,6 +200,15 @@ def test_ranks_agree(tmp_path: Path) -> None:
             r'model = "reduced" knows no law beside a cylinder',
         ),
         ({"walls": {"side": {"slip_length": 0.1}}}, r"domain\.walls\.side\.slip_length = 0\.1: .*; drop it"),
+        (
+            {"walls": {"side": [1.0, 0.0, 0.0]}},
+            r"domain\.walls\.side = \[1\.0, .*\]: fluid would go through it; let",
+        ),
+        ({"walls": {"side": [MOVING, 0.0, 0.0]}}, r"domain\.walls\.side = .*: fluid would go through it"),
+        (
+            {"walls": {"side": {"shear": 1.0}}},
+            r"domain\.walls\.side = \{shear = 1\.0\}: fluid would go",
+        ),
         ({"walls": {"left": [0.0, 0.0, 0.0]}}, r"domain\.walls\.left = .*unknown key"),
         ({"walls": {"top": [0.0, 0.0, 1.0]}}, r"domain\.walls\.top = .*net flux"),
         ({"length": 0.0}, r"domain\.length = 0\.0"),

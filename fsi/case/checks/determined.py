@@ -122,6 +122,18 @@ def check_periodic_walls(case: Case) -> None:
                 raise refusal(here, case.domain.walls[name], "its flow is not periodic; give a velocity")
 
 
+def check_round_sides(case: Case) -> None:
+    """Raise InputError where fluid would go through the side of a tube, at any time."""
+    container, times = case.container(), case.kinks() or (0.0,)
+    sides = zip(container.walls, container.spheres, strict=True)
+    for name in (wall for wall, side in sides if side is not None and not side.bends_all_ways):
+        for t in times:
+            moved = case.wall_velocity(t).get(name)
+            if moved is not None and (moved.velocity[:2].any() or moved.gradient[:2].any()):
+                along = 'fluid would go through it; let it move along its axis, [0.0, 0.0, v], or be "open"'
+                raise refusal(f"domain.walls.{name}", case.domain.walls[name], along)
+
+
 def check_flux(case: Case) -> None:
     """An incompressible fluid that is enclosed all round cannot take a net flux, at any time."""
     if case.wall_pressure() or not case.domain.walls:

@@ -10,7 +10,13 @@ import numpy as np
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, gap_to_image, wall_gaps
 from fsi.case.case import Case
-from fsi.case.checks.determined import check_determined, check_flux, check_periodic_walls, check_stress
+from fsi.case.checks.determined import (
+    check_determined,
+    check_flux,
+    check_periodic_walls,
+    check_round_sides,
+    check_stress,
+)
 from fsi.case.checks.gluey import check_gluey
 from fsi.case.checks.lubrication import check_lubrication
 from fsi.case.checks.macroscopic import check_macroscopic
@@ -75,6 +81,7 @@ def _check_fluid(case: Case) -> None:
     _check_room(case)
     check_gaps_without_prisms(case)
     check_periodic_walls(case)
+    check_round_sides(case)
     check_flux(case)
     check_determined(case)
 

@@ -13,7 +13,7 @@ from fsi.meshes.geometry.tube import Tube
 
 @register_domain
 class TubeDomain(Walled):
-    """In space, the round tube about the z axis between z = -length / 2 and length / 2, closed there."""
+    """In space, the round tube about the z axis between z = -length / 2 and length / 2, with two ends."""
 
     shape: Literal["tube"]
     radius: Positive
