@@ -16,7 +16,7 @@ import numpy as np
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
-from fsi.errors import SolveError
+from fsi.errors import InputError, SolveError
 from fsi.meshes.geometry.container import Container
 
 
@@ -59,18 +59,41 @@ def external_forces(
 ) -> Array:
     """The sum of all forces on each body at time t, shape (N, d); the gaps of q are positive.
 
-    Raises SolveError: a law gives what is no finite number.
+    Raises SolveError: a law gives what is no finite number; InputError: numbers that are not one a body and
+    component.
     """
     total = np.zeros_like(q.centres)
     for k, force in enumerate(forces):
-        F = force.on_bodies(bulk, t)
+        F = on_each_body(force, k, bulk, t, q.dimension)
         if force.reach > 0.0:
             F = F + between_bodies(force, q, container)
         total += finite(F, k, t)
     return total
 
 
-def finite(F: Array | float, k: int, t: float) -> Array | float:
+def on_each_body(force: ForceLaw, k: int, bulk: Bulk, t: float, d: int) -> Array:
+    """The force of the law forces.k on each body by itself at time t, (N, d).
+
+    Raises InputError: it gives anything else, but the number 0; numpy would have taken N of N = d bodies for
+    d components.
+    """
+    given, shape = force.on_bodies(bulk, t), (len(bulk.masses), d)
+    match given:
+        case np.ndarray(shape=found, dtype=numbers) if found == shape and numbers.kind in "fiu":
+            return given
+        case float() | int() if given == 0.0:
+            return np.zeros(shape)
+        case np.ndarray(shape=found, dtype=numbers):
+            what = f"{numbers} of shape {found}"
+        case _:
+            what = f"a {type(given).__name__}"
+    raise InputError(
+        f"forces.{k}: {type(force).__name__}.on_bodies gives {what}; give an array of numbers of shape "
+        f"{shape}, a row for each body, or 0"
+    )
+
+
+def finite(F: Array, k: int, t: float) -> Array:
     """What the law forces.k gives at time t. Raises SolveError: it is no finite number."""
     if not np.all(np.isfinite(F)):
         raise SolveError(

@@ -76,11 +76,11 @@ class Body(Section):
     surface_velocity: tuple[float, ...] | None = None
     """the modes [B_1, B_2, ...] of the velocity along the surface of a swimmer; none if not given"""
     mass: Positive | None = None
-    """the mass (in the plane per unit length), a number > 0, or none"""
+    """the mass (in the plane per unit length), a number > 0, or leave it out"""
     moment_of_inertia: Positive | None = Field(
         default=None,
-        description="the moment of inertia (in the plane per unit length), a number > 0, or none; of a shape "
-        "with a mass that of a uniform body",
+        description="the moment of inertia (in the plane per unit length), a number > 0, or leave it out; "
+        "of a shape with a mass that of a uniform body",
     )
 
     @model_validator(mode="before")

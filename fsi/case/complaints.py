@@ -1,12 +1,13 @@
 """How a mistake in a case file becomes one line for the user: key, value, what is wrong, what to do."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, get_origin
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from fsi.case.section import Section, sections_in, toml_text
+from fsi.case.section import Section, sections_in, toml_text, words_like
+from fsi.errors import InputError
 
 _COMPLAINTS = {
     "literal_error": "not one of the choices",
@@ -66,6 +67,25 @@ def _complaint(mistake: ErrorDetails) -> str:
 def dotted(path: tuple[int | str, ...]) -> str:
     """The key as `--set` takes it: `bodies.0.radius`."""
     return ".".join(str(part) for part in path if not str(part).startswith("<")) or "case"
+
+
+def require_known(key: str, root: type[Section], text: str) -> None:
+    """Raise InputError, with the one that is like it, of a dotted key that no section at its place has.
+
+    text: what the user wrote. Names, as those of walls, are left to who reads them.
+    """
+    sections, above = [root], ""
+    for part in key.split("."):
+        fields = [each.model_fields[part] for each in sections if part in each.model_fields]
+        if not (fields or part.isdigit()):
+            known = words_like(part, dict.fromkeys(name for each in sections for name in each.model_fields))
+            nearest = ", ".join(above + word for word in known)
+            raise InputError(f"--set {text}: unknown key; use {nearest} or drop it")
+        kinds = [field.annotation for field in fields]
+        sections = [each for kind in kinds for each in sections_in(kind)] if fields else sections
+        if not sections or any(get_origin(kind) is dict for kind in kinds):
+            return
+        above += f"{part}."
 
 
 def _meaning(path: tuple[int | str, ...], root: type[Section], data: Mapping[str, Any]) -> str:

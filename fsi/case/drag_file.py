@@ -35,7 +35,7 @@ class DragFile(Section):
     fraction: Positive
     """the part of the domain that is bodies, a number > 0"""
     cutoff: Positive | None = None
-    """the gap beyond which bodies did not feel each other, over their mean radius, or none"""
+    """the gap beyond which bodies did not feel each other, over their mean radius, or leave it out"""
     laws: dict[str, str]
     """a section [laws] with the laws of the gaps"""
     digests: dict[str, str]

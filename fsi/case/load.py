@@ -19,7 +19,7 @@ from fsi.case.arguments import lists, path_of
 from fsi.case.body import Body
 from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
-from fsi.case.complaints import explain
+from fsi.case.complaints import explain, require_known
 from fsi.case.magnitudes import GIVEN, check_magnitudes, check_whole_numbers
 from fsi.case.reduced import LAW_KEYS
 from fsi.case.section import CaseContext, Geometry, refusal, toml_data, toml_text, tuples
@@ -212,18 +212,38 @@ _REMEDY = "write key=value, for instance --set discretisation.degree=2"
 
 _QUOTED = 'domain.mesh="mine.msh"'
 _WORD = r"[A-Za-z][\w-]*"
+_DROPPED = "none"  # as a bare word
 
 
 def override(data: dict[str, Any], text: str) -> None:
     """Set one value in the nested data of a case file, in place; if the key is known is checked later.
 
     text: `key=value`; the key is dotted, bodies count from 0 (`bodies.0.radius`); the value is TOML, where a
-    single word needs no quotes. Raises InputError: no `=`, no TOML, or a key that leads through no section.
+    single word needs no quotes. With the word `none` the key is left out. Raises InputError: no `=`, no TOML,
+    or a key that leads through no section.
     """
     key, separator, value = (part.strip() for part in text.partition("="))
     if not (key and separator):
         raise InputError(f"--set {text}: no key=value; {_REMEDY}")
-    _put(data, key, _toml_value(value, text), text)
+    if value == _DROPPED and not key.rpartition(".")[2].isdigit():  # entries of lists have no default
+        _leave_out(data, key, text)
+    else:
+        _put(data, key, _toml_value(value, text), text)
+
+
+def _leave_out(data: dict[str, Any], key: str, text: str) -> None:
+    """Take a dotted key out, in place, if it is there. Raises InputError: no section has such a key."""
+    *path, last = key.split(".")
+    here: Any = data
+    for depth, part in enumerate(path):
+        if isinstance(here, dict) and part not in here:
+            here = {}
+            break
+        here = _enter(here, part, ".".join(path[: depth + 1]), text)
+    if isinstance(here, list):
+        _index(here, last, key, text)
+    elif here.pop(last, None) is None:
+        require_known(key, Case, text)
 
 
 def _put(data: dict[str, Any], key: str, value: Any, text: str) -> None:

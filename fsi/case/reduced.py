@@ -20,9 +20,9 @@ class Reduced(Section):
     wall_law: Text | None = None
     """the law of the gaps to walls, as `law`; the same if not given"""
     shear_law: Text | None = None
-    """the law of surfaces that slide past each other, a name or the path of a law file, or none"""
+    """the law of surfaces that slide past each other, a name or the path of a law file, or leave it out"""
     rotation_law: Text | None = None
-    """the law of bodies that roll on each other, a name or the path of a law file, or none"""
+    """the law of bodies that roll on each other, a name or the path of a law file, or leave it out"""
     wall_shear_law: Text | None = None
     """the law of sliding along walls, as `shear_law`; the same if not given"""
     wall_rotation_law: Text | None = None
@@ -30,9 +30,10 @@ class Reduced(Section):
     drag: NotNegative | None = None
     """the drag >= 0 over mu V of discs (needed, or `drag_from`), mu a V of spheres (6 pi if not given)"""
     drag_from: Text | None = None
-    """in place of `drag`, the path of a drag file that `fsi resistance --drag` has written, or none"""
+    """in place of `drag`, the path of a drag file that `fsi resistance --drag` has written, or leave it
+    out"""
     cutoff: Positive | None = None
-    """the gap beyond which bodies do not feel each other, a length > 0, or none"""
+    """the gap beyond which bodies do not feel each other, a length > 0, or leave it out"""
     extrapolate: bool = False
     """true to use a law file outside the range of its gaps, false to stop there"""
 

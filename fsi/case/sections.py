@@ -60,7 +60,7 @@ class Discretisation(Section):
     interior: Interior
     '"graded" or, in the plane, "sparse"; by the case if not given'
     tolerance: Fraction | None = None
-    """the estimated relative error below which the mesh is refined, in (0, 1), or none"""
+    """the estimated relative error below which the mesh is refined, in (0, 1), or leave it out"""
     formulation: Literal["eliminated", "multiplier"] = "eliminated"
     '"eliminated" or "multiplier"'
     solver: Literal["automatic", "direct", "iterative"] = "automatic"
@@ -95,7 +95,8 @@ class Time(Section):
     gap_loss: Fraction = 0.2
     """the part of a gap that a step may close, in (0, 1)"""
     contact_gap: Positive | None = None
-    """the smallest gap, a number > 0: a run that comes to it ends, and says when there is contact, or none"""
+    """the smallest gap, a number > 0, or leave it out: a run that comes to it ends, and says when there is
+    contact"""
     remesh: Literal["always", "when-needed"] = "always"
     '"always" or "when-needed"'
 
@@ -152,7 +153,7 @@ class PoreResolution(Section):
     modes: Literal[0, 1, 2, 4, 6, 8, 10, 12, 16] = 1
     """the number of modes an edge, 0, 1, 2, 4, 6, 8, 10, 12 or 16"""
     tolerance: Fraction | None = None
-    """the estimated relative error down to which modes are added, in (0, 1), or none"""
+    """the estimated relative error down to which modes are added, in (0, 1), or leave it out"""
 
     @field_validator("modes", mode="before")
     @classmethod
@@ -169,7 +170,8 @@ class Lubrication(Section):
     """Laws in place of cells in the narrowest gaps of the resolved model."""
 
     below: Positive | None = None
-    """the gap below which the mesh has this one and the exact laws add the rest, a length > 0, or none"""
+    """the gap below which the mesh has this one and the exact laws add the rest, a length > 0, or leave it
+    out"""
 
 
 class Expected(Section):

@@ -36,7 +36,8 @@ RunFolder = Annotated[
 Overrides = Annotated[
     list[str] | None,
     option(
-        "Change a value of the case, e.g. discretisation.degree=2, bodies.0.radius=2. May be repeated.",
+        "Change a value of the case, e.g. discretisation.degree=2, bodies.0.radius=2; none leaves a key out. "
+        "May be repeated.",
         False,
         "--set",
         metavar="KEY=VALUE",

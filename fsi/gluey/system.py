@@ -11,7 +11,7 @@ from scipy.interpolate import PPoly
 
 from fsi.arrays import Array
 from fsi.bodies.configuration import Configuration, turned
-from fsi.bodies.forces import Bulk, between_bodies, finite
+from fsi.bodies.forces import Bulk, between_bodies, finite, on_each_body
 from fsi.case.case import Case
 from fsi.case.gluey import ContactLaw, Gluey
 from fsi.case.series import Table, is_zero, polynomial
@@ -130,7 +130,8 @@ def gluey_system(case: Case) -> System:
             load[:, : case.dimension] += free * (heavy[:, None] * g)
         middle = 0.5 * (t0 + t1)  # no integral is known of those forces
         for k, force in weightless:
-            load[:, : case.dimension] += free * ((t1 - t0) * finite(force.on_bodies(bulk, middle), k, middle))
+            F = finite(on_each_body(force, k, bulk, middle, case.dimension), k, middle)
+            load[:, : case.dimension] += free * ((t1 - t0) * F)
         return load
 
     films = SphereFilm if case.spheres else DiscFilm

@@ -21,6 +21,7 @@ from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.pores.adapt import adapt
 from fsi.pores.bars import CHANCE, CHANCE_OF_FLOW, SAFETY, other_modes
 from fsi.pores.fineness import Fineness
+from fsi.pores.first_use import tell_of_compilation
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.instant import PoreInstant
 from fsi.pores.solve import PoreDrive, PoreLoading, solve_pores
@@ -141,6 +142,7 @@ def _solved(
 
 def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
     """Pores and their matrix. Raises SolveError: no pores there, with the names of bodies and walls."""
+    tell_of_compilation()
     surfaces = surfaces_of(bodies.q, bodies.case.container().at(bodies.t, bodies.q.strain))
     try:
         pores = pores_without_wide(surfaces)

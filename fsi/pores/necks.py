@@ -88,4 +88,4 @@ def _fluxes(flow: PoreFlow, batch: Batch, data: Complex, numbers: Array) -> Arra
     image = np.take_along_axis(system.pores.image[batch.pore], first[..., None], axis=1)
     e = (image @ periods)[:, :, None]
     carried = np.diff(stream(G, shapes.foot) - stream(G, shapes.foot - e))[..., 0]
-    return np.asarray(shapes.turn * (rise - carried))
+    return np.asarray(0.0 + shapes.turn * (rise - carried))  # 0.0: no -0

@@ -41,7 +41,10 @@ class Elbow(Container):
         return distance, np.where(on_wall, left, away / np.where(on_wall, 1.0, distance[..., None]))
 
     def distances(self, x: Array) -> Array:
-        return self.to_segments(x)[0]
+        """Negative outside the L."""
+        within = ((x >= 0.0) & (x <= self.length)).all(axis=1) & (x <= self.width).any(axis=1)
+        away: Array = np.where(within, 1.0, -1.0)[:, None] * self.to_segments(x)[0]
+        return away
 
     def normals(self, x: Array) -> Array:
         return self.to_segments(x)[1]

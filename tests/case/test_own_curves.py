@@ -41,6 +41,10 @@ class Wrong(BodyShape):
                     return Jet(x, 0.0 * dx, ddx)
                 case "ddx":
                     return Jet(x, dx, 2.0 * ddx)
+                case "nan":
+                    return Jet(np.where(t[:, None] > 0.55, np.nan, x), dx, ddx)
+                case "tiny":
+                    return Jet(1e-70 * x, 1e-70 * dx, 1e-70 * ddx)
                 case "misspelt":
                     return Jet(x, dx, ddx * self.hwo)  # type: ignore[attr-defined]
             return Jet(x, dx, ddx)
@@ -128,6 +132,8 @@ def case(shape: dict[str, Any] | None = None, profile: dict[str, Any] | None = N
         ("dx", "has derivatives that are not those of its points"),
         ("zero", "has derivatives that are not those of its points"),
         ("ddx", "has derivatives that are not those of its points"),
+        ("nan", r"has points that are NaN, the first at t = 0\.6; correct its curve$"),
+        ("tiny", "is too small or too large for numbers; give lengths in another unit$"),
         ("misspelt", "test_own_curves.Wrong: AttributeError: 'Wrong' object .* 'hwo'; mend that class$"),
     ],
 )

@@ -47,6 +47,17 @@ class Logarithm(ForceSection):
             return np.log(d)
 
 
+class Shaped(ForceSection):
+    """Gives whatever it is told to."""
+
+    law: Literal["shaped-of-tests"]
+    given: Any = Field(default=None, description="anything")
+
+    @override
+    def on_bodies(self, bulk: Bulk, t: float) -> Array:
+        return self.given  # type: ignore[no-any-return]
+
+
 @pytest.fixture(autouse=True)
 def registered(monkeypatch: pytest.MonkeyPatch) -> None:
     """Registered for one test only: messages list all laws."""
@@ -101,3 +112,35 @@ def test_a_force_that_is_no_number_is_that_of_its_law() -> None:
             gluey_system(wrong).load(case.configuration().centres, 0.2, 0.6)
         with pytest.raises(SolveError, match=line + r"0\.2;"):
             wrong.motion_at(case.configuration(), 0.2)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (np.array([2.0, 5.0]), r"float64 of shape \(2,\)"),
+        (np.zeros(2), r"float64 of shape \(2,\)"),
+        (np.ones((2, 1)), r"float64 of shape \(2, 1\)"),
+        (np.ones((1, 2)), r"float64 of shape \(1, 2\)"),
+        (np.ones((2, 2), dtype=bool), r"bool of shape \(2, 2\)"),
+        (3.0, "a float"),
+        (None, "a NoneType"),
+        ([[1.0, 0.0], [1.0, 0.0]], "a list"),
+    ],
+)
+def test_a_force_has_a_row_for_each_body(given: Any, told: str) -> None:
+    """N = d = 2: the pulls 2 and 5 along x were the force (2, 5) on both bodies."""
+    case = gluey_discs({"law": "ramp-of-tests"})
+
+    def with_force(F: Any) -> Case:
+        return case.model_copy(update={"forces": (Shaped.model_construct(given=F),)})
+
+    refusal = (
+        rf"^forces\.0: Shaped\.on_bodies gives {told}; give an array of numbers of shape \(2, 2\), .* or 0$"
+    )
+    with pytest.raises(InputError, match=refusal):
+        with_force(given).motion_at(case.configuration(), 0.2)
+    with pytest.raises(InputError, match=refusal):
+        gluey_system(with_force(given)).load(case.configuration().centres, 0.2, 0.6)
+    for none in (0, 0.0):
+        F = with_force(none).motion_at(case.configuration(), 0.2).F
+        np.testing.assert_array_equal(F, np.zeros((2, 3)))

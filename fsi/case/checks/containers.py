@@ -67,11 +67,11 @@ def _areas(container: Container, at: list[Array]) -> Iterator[str]:
 
 
 def _off(container: Container, curve: WallCurve, x: Array) -> Iterator[str]:
-    """Along a piece, its ends left out, a little within the fluid."""
+    """Along a piece, its ends left out, a little within the fluid and a little behind it."""
     along = (x[2:] - x[:-2])[:: _PLACES // 64]
     left = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
     height, k, name = _ABOVE * container.size(), curve.wall, container.walls[curve.wall]
-    inside = x[1 : -1 : _PLACES // 64] + height * left
+    inside, behind = (x[1 : -1 : _PLACES // 64] + side * height * left for side in (1.0, -1.0))
     away = container.distances(inside)
     if (nearest := np.abs(away[:, k]).max()) > 10.0 * height:
         yield (
@@ -88,6 +88,11 @@ def _off(container: Container, curve: WallCurve, x: Array) -> Iterator[str]:
         yield (
             f"its `distances` to wall {container.walls[wall]!r} are negative inside, beside wall {name!r}; "
             "where a wall ends give those to its nearest point"
+        )
+    if not (container.distances(behind).min(axis=1) < 0.0).all():
+        yield (
+            f"none of its `distances` is negative behind wall {name!r}, where bodies would be taken for ones "
+            "in the fluid; let the least be negative outside"
         )
     sphere, round_ = container.spheres[k], curve.centre is not None
     if (

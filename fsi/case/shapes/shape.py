@@ -102,8 +102,11 @@ class BodyShape(AnyShape):
 
     @override
     def check(self) -> None:
+        t = np.linspace(0.0, BEFORE_END, 11)
         with np.errstate(all="ignore"):
-            x = self.curve()(np.linspace(0.0, BEFORE_END, 11)).x
+            x = self.curve()(t).x
+        if len(nowhere := t[np.isnan(x).any(axis=1)]):
+            raise ValueError(f"has points that are NaN, the first at t = {nowhere[0]:.3g}; correct its curve")
         size = float(np.ptp(x, axis=0).max())
         if not SMALLEST < size < 1.0 / SMALLEST:
             raise ValueError("is too small or too large for numbers; give lengths in another unit")
