@@ -126,11 +126,12 @@ def _approach_of_shapes(
     gaps, d = find_gaps(q, container, reach), q.dimension
     i, j = gaps.pairs.T
     apart = displacement[:, :d].take(i, axis=0) - displacement[:, :d].take(j, axis=0)
-    apart -= container.carried(gaps.away, duration) - gaps.away
+    away_moves = container.carried(gaps.away, duration) - gaps.away
+    apart -= away_moves
     turns = q.radii * np.linalg.norm(displacement[:, d:], axis=1)
     of_pairs = np.linalg.norm(apart, axis=1) + turns[i] + turns[j]
     losing = np.flatnonzero(of_pairs >= 0.5 * gap_loss * gaps.pair_gaps)
-    gaps, of_pairs = gaps.of(losing), of_pairs[losing]
+    gaps, of_pairs, away_moves = gaps.of(losing), of_pairs[losing], away_moves[losing]
     feet = Feet.at(q, container, gaps, reach)
     before = feet.gaps
     if len(before) == 0:
@@ -143,7 +144,7 @@ def _approach_of_shapes(
         done = min(1.0, float(safe.min()))
         # Those that could be there soon are looked at too, lest each has a place of its own; all in the end.
         due = feet.of[safe <= done + SOON * (1.0 - done)] if done < 1.0 else feet.of
-        moved, there = q.moved(done * displacement), container.carried(gaps.away, done * duration)
+        moved, there = q.moved(done * displacement), gaps.away + done * away_moves  # both straight
         now = Feet.at(moved, container, replace(gaps, away=there), reach, due)
         seen = np.isin(feet.of, due)
         left = np.where(seen, feet.followed(now, done * closing), left)

@@ -73,6 +73,8 @@ class ReducedInstant:
     @property
     def gamma(self) -> Array:
         """g K(D), the stored pushes, (P,)."""
+        if not self.g.any():
+            return np.zeros(len(self.x))
         K, _ = self.laws.integral(self.x, self.pairs.films)
         return self.g * K
 

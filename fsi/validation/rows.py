@@ -78,6 +78,8 @@ def exact_value(case: Case, name: str, quantity: str) -> float:
         raise InputError(f'exact = "{name}": its function fails ({said}); correct it') from error
     if np.isnan(found):
         raise InputError(f'exact = "{name}": is not known for the shape of {case.names[0]!r}; give a value')
+    if np.isinf(found):
+        raise InputError(f'exact = "{name}": its function gives {found}; correct it')
     return found
 
 

@@ -32,32 +32,38 @@ PROFILES = {
 
 def paths(run: Run) -> Array:
     """Where the bodies were at all steps, (steps, N, 2): x and y, in space x and z. Raises InputError."""
+    return _places(run)[..., [0, -1]]
+
+
+def _places(run: Run) -> Array:
+    """The same in all d components, (steps, N, d)."""
     case = run.case
     if not case.names:
         what = f"{run.path}: the run has no bodies, and so no trajectories"
         raise InputError(f"{what}; drop --paths or --relative")
     if case.axisymmetric:
         raise InputError(f"{run.path}: bodies stay on the axis; give --curves y")
-    columns = list(_ACROSS[case.dimension])
-    return np.asarray(run.bodies[columns], dtype=float).reshape(-1, len(case.names), 2)
+    d = case.dimension
+    return np.asarray(run.bodies[list("xyz"[:d])], dtype=float).reshape(-1, len(case.names), d)
 
 
 def relative_path(run: Run, pair: str) -> Array:
     """The path of one body as seen from another, "second,first", (steps, 2).
 
-    Across the ends of a period the body is followed, not its nearest image. Raises InputError.
+    Of its images the one is followed that is nearest at first, as the lattice carries it. Raises InputError.
     """
     found = [word.strip() for word in pair.split(",")]
     if len(found) != 2 or not {*found} <= {*run.case.names} or found[0] == found[1]:
         raise InputError(f"--relative {pair}: give the names of two bodies of {', '.join(run.case.names)}")
     i, j = (run.case.names.index(name) for name in found)
-    x = paths(run)
+    x, container = _places(run), run.case.container()
     apart = x[:, i] - x[:, j]
-    periods = run.case.container().periods
-    if run.case.dimension == 2 and len(periods):
-        lattice = Lattice(periods)
-        apart = apart - lattice.shift(lattice.nearest(apart[:1]))
-    return np.asarray(apart)
+    if len(container.periods):
+        lattice = Lattice(container.periods)
+        away = lattice.shift(lattice.nearest(apart[:1]))
+        moments = [(run.time(step), run.strain(step)) for step in run.steps["step"]]
+        apart = apart - np.concatenate([container.carried(away, t, strain) for t, strain in moments])
+    return apart[:, [0, -1]]
 
 
 def plot_paths(run: Run, output: Path, relative: str | None = None, theme: Theme = LIGHT) -> None:

@@ -13,6 +13,7 @@ from fsi.meshes.geometry.box import Box
 from fsi.meshes.geometry.cell import Cell
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.round import HalfPlane
+from tests.exact_model import plane_case
 
 BOX = Box((-10.0, -10.0), (10.0, 10.0))
 THREE = Configuration(
@@ -130,6 +131,21 @@ def test_the_limited_step_is_that_of_any_images_in_an_extension(periods: int) ->
     limited, approach = limited_step(q, cell, velocity, 1.0, 0.2)
     assert approach.loss == pytest.approx(1.0 - (2.4 * np.exp(-limited) - 2.0) / 0.4, rel=1e-9)
     assert 0.17 < approach.loss <= 0.2
+
+
+def test_the_limited_step_of_shapes_is_that_of_any_images_in_an_extension() -> None:
+    """On the way images far away were sought off the straight ways of their bodies: a third of the step."""
+    cell = Cell(((6.0, 0.0), (0.0, 5.0)), EXTENSION)
+    shape = {"shape": {"kind": "ellipse", "axes": [1.0, 0.5]}}
+    bodies = [{"name": f"b{k}", "position": [x, 2.0]} | shape for k, x in enumerate((2.0, 6.0))]
+    begun, own, steps = plane_case(bodies, 1.0).configuration(), np.array([[0.1, 0.05], [-0.2, 0.1]]), []
+    for periods in (0.0, 30.0):
+        places = np.array([[1.0, 1.0], [3.1 + 6.0 * periods, 1.6 - 5.0 * periods]])
+        turned = np.column_stack([places - begun.centres, [0.3, -0.4]])
+        velocity = np.column_stack([cell.mean_velocity(places) + own, [-0.2, 0.3]])
+        steps.append(limited_step(begun.moved(turned), cell, velocity, 1.0, 0.2)[0])
+    assert steps[1] == pytest.approx(steps[0], rel=1e-9)
+    assert steps[0] < 1.0
 
 
 @pytest.mark.parametrize(

@@ -69,6 +69,27 @@ def test_a_body_is_followed_from_its_nearest_image_on(run: fsi.Run) -> None:
     np.testing.assert_allclose(relative_path(run, "a,b"), [[1.5, -1.0], [0.0, -1.5], [-1.5, -2.0]])
 
 
+def test_the_image_that_is_followed_moves_with_the_lattice(tmp_path: Path) -> None:
+    """Two bodies that a shear flow carries are apart by e + t e_y: e = (0.2, -2.3), by the image 6 below."""
+    cell = CASE.replace("domain.lower = [0.0, 0.0]", 'domain.shape = "cell"').replace(
+        "domain.upper = [10.0, 4.0]", "domain.vectors = [[6.0, 0.0], [0.0, 6.0]]"
+    )
+    case = cell.replace('domain.periodic = ["x"]', "domain.shear = 1.0").replace(
+        "domain.walls.top = [1.0, 0.0]\n", ""
+    )
+    (tmp_path / "case.toml").write_text(case)
+    rows = [
+        f"{n},{n}.0,{body},{x + n * y},{y},0,0,0,0,0,0,0"
+        for n in range(3)
+        for body, x, y in (("a", 3.0, 1.2), ("b", 3.2, 4.9))
+    ]
+    head = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T"
+    (tmp_path / "bodies.csv").write_text("\n".join([head, *rows]) + "\n")
+    (tmp_path / "steps.csv").write_text("step,t\n0,0.0\n1,1.0\n2,2.0\n")
+    apart = relative_path(fsi.open_run(tmp_path), "b,a")
+    np.testing.assert_allclose(apart, [[0.2, -2.3], [-2.1, -2.3], [-4.4, -2.3]], atol=1e-12)
+
+
 def test_places_and_angles_over_time(run: fsi.Run) -> None:
     panels = read_history(run, curves="x, angle").panels
     assert [*panels] == ["x", "angle"]
