@@ -118,8 +118,7 @@ def _conjugate_gradients(rows: _Rows, right: Array, tolerance: float, most: int,
 @compiled
 def _descend(rows: _Rows, bounded: _Bounded, at: _Iterates, momentum: float) -> bool:
     _transposed(rows, at.y)
-    _product(rows, at.y, at.new)
-    uphill = _project(bounded, at) > 0.0
+    uphill = _project(rows, bounded, at) > 0.0
     for r in range(len(at.y)):
         at.y[r] = at.new[r] if uphill else at.new[r] + momentum * (at.new[r] - at.z[r])
     return uphill
@@ -178,10 +177,13 @@ def _advance(rows: _Rows, alpha: float, beta: float, at: _Conjugate) -> None:
 
 
 @vectorised
-def _project(bounded: _Bounded, at: _Iterates) -> float:
-    """In new `W y` gives way to the projection; how far it goes uphill."""
+def _project(rows: _Rows, bounded: _Bounded, at: _Iterates) -> float:
+    """The projection of a step against the gradient, of the transposed product; how far it goes uphill."""
     uphill = 0.0
     for r in range(len(at.y)):
-        at.new[r] = max(at.y[r] - (at.new[r] + bounded.c[r]), bounded.least[r])
+        gradient = rows.slack[r] * at.y[r] + bounded.c[r]
+        for k in range(len(rows.each)):
+            gradient += rows.entries[r, k] * rows.transposed[rows.columns[r, k]]
+        at.new[r] = max(at.y[r] - gradient, bounded.least[r])
         uphill += (at.y[r] - at.new[r]) * (at.new[r] - at.z[r])
     return uphill
