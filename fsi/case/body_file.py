@@ -214,7 +214,7 @@ def _check_cell(path: Path, sides: tuple[float, ...], vectors: Any) -> None:
     if off > _SAME_SIZE or abs(np.linalg.det(np.rint(counts))) != 1.0:
         box = " x ".join(f"{side:.12g}" for side in sides)
         fitting = np.diag(sides).tolist()  # with all digits, to be copied
-        raise _refusal(path, f"its box is {box}, but not that of domain.vectors; give vectors = {fitting}")
+        raise _refusal(path, f"its box is {box}, but domain.vectors span another; give vectors = {fitting}")
 
 
 def _refusal(path: Path, what: str) -> InputError:

@@ -177,7 +177,8 @@ class Case(Section):
     def timing(self) -> Time:
         """The section [time]. Raises InputError if there is none."""
         if self.time is None:
-            raise InputError("time: missing; add a section [time] with its end, or use `fsi solve`")
+            instead = ", or use `fsi solve`" if self.level.viscous else ""
+            raise InputError(f"time: missing; add a section [time] with its end{instead}")
         return self.time
 
     @property

@@ -1,7 +1,7 @@
 """How a mistake in a case file becomes one line for the user: key, value, what is wrong, what to do."""
 
 from collections.abc import Mapping
-from typing import Any, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -72,7 +72,7 @@ def dotted(path: tuple[int | str, ...]) -> str:
 def require_known(key: str, root: type[Section], text: str) -> None:
     """Raise InputError, with the one that is like it, of a dotted key that no section at its place has.
 
-    text: what the user wrote. Names, as those of walls, are left to who reads them.
+    text: the option that the user wrote. Names, as those of walls, are left to who reads them.
     """
     sections, above = [root], ""
     for part in key.split("."):
@@ -80,12 +80,21 @@ def require_known(key: str, root: type[Section], text: str) -> None:
         if not (fields or part.isdigit()):
             known = words_like(part, dict.fromkeys(name for each in sections for name in each.model_fields))
             nearest = ", ".join(above + word for word in known)
-            raise InputError(f"--set {text}: unknown key; use {nearest} or drop it")
+            raise InputError(f"{text}: unknown key; use {nearest} or drop it")
         kinds = [field.annotation for field in fields]
         sections = [each for kind in kinds for each in sections_in(kind)] if fields else sections
         if not sections or any(get_origin(kind) is dict for kind in kinds):
             return
         above += f"{part}."
+
+
+def choices_of(key: str, root: type[Section]) -> tuple[Any, ...]:
+    """What may stand at a dotted key that takes one of some words or numbers; nothing of other keys."""
+    sections, kinds = [root], list[Any]()
+    for part in key.split("."):
+        kinds = [each.model_fields[part].annotation for each in sections if part in each.model_fields]
+        sections = sections if part.isdigit() else [each for kind in kinds for each in sections_in(kind)]
+    return tuple(word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind))
 
 
 def _meaning(path: tuple[int | str, ...], root: type[Section], data: Mapping[str, Any]) -> str:

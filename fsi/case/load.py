@@ -61,7 +61,7 @@ def case_data(
     for text in overrides:
         override(data, text)
     for key, value in (values or {}).items():
-        _put(data, key, deepcopy(value), f"{key}={toml_text(value)}")
+        _put(data, key, deepcopy(value), f"--vary {key}={toml_text(value)}")
     for _, table, last in _paths(data):
         # Where links lead in a circle `Path.resolve` would raise; who reads the file tells of it.
         table[last] = os.path.realpath(path.parent / table[last])
@@ -226,9 +226,9 @@ def override(data: dict[str, Any], text: str) -> None:
     if not (key and separator):
         raise InputError(f"--set {text}: no key=value; {_REMEDY}")
     if value == _DROPPED and not key.rpartition(".")[2].isdigit():  # entries of lists have no default
-        _leave_out(data, key, text)
+        _leave_out(data, key, f"--set {text}")
     else:
-        _put(data, key, _toml_value(value, text), text)
+        _put(data, key, _toml_value(value, text), f"--set {text}")
 
 
 def _leave_out(data: dict[str, Any], key: str, text: str) -> None:
@@ -247,7 +247,7 @@ def _leave_out(data: dict[str, Any], key: str, text: str) -> None:
 
 
 def _put(data: dict[str, Any], key: str, value: Any, text: str) -> None:
-    """Give a dotted key its value, in place; text: what the user wrote. Raises InputError."""
+    """Give a dotted key its value, in place; text: the option that the user wrote. Raises InputError."""
     *path, last = key.split(".")
     here: Any = data
     for depth, part in enumerate(path):
@@ -262,7 +262,7 @@ def _enter(here: Any, part: str, key: str, text: str) -> Any:
     """The section or list `part` of `here`; a section that is not there yet is made."""
     inner = here.setdefault(part, {}) if isinstance(here, dict) else here[_index(here, part, key, text)]
     if not isinstance(inner, dict | list):
-        raise InputError(f"--set {text}: {key} = {toml_text(inner)} is no section; set {key} itself")
+        raise InputError(f"{text}: {key} = {toml_text(inner)} is no section; set {key} itself")
     return inner
 
 
@@ -270,7 +270,7 @@ def _index(items: list[Any], part: str, key: str, text: str) -> int:
     if part in map(str, range(len(items))):  # "01" would be a second name of an entry
         return int(part)
     there = f"has the entries 0 to {len(items) - 1}" if items else "is empty"
-    raise InputError(f"--set {text}: no {key}; the list {there}")
+    raise InputError(f"{text}: no {key}; the list {there}")
 
 
 def _toml_value(value: str, text: str) -> Any:

@@ -97,7 +97,7 @@ def _dissipation(found: Measured) -> float:
 
 
 def _without_period(case: Driven) -> str:
-    return "" if len(case.container().periods) else "is that of a periodic domain; drop it"
+    return "" if len(case.container().periods) else "is that of a periodic domain; give another"
 
 
 @flow_number("apparent viscosity", "of a periodic flow", lacking=_without_period)
@@ -117,7 +117,7 @@ def _pressure_gradient(found: Measured) -> float | None:
 
 def _without_gradient(case: Driven) -> str:
     if "pressure_gradient" not in case.domain.drives:
-        return "is that of a periodic channel; drop it"
+        return "is that of a periodic channel; give another"
     if case.domain.mean_drive().net_flux is not None:
         return "is given, as domain.net_flux; take the pressure gradient, or give domain.pressure_gradient"
     return "" if case.level.flow else 'is found in a flow; give model = "resolved" or "pores"'

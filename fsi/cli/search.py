@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import fsi.parallel as parallel
+from fsi.case.magnitudes import LARGEST, SMALLEST
 from fsi.case.quantities import names_of_quantities
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, option, output_to, require_writable, warn
 from fsi.errors import InputError, SolveError
@@ -56,6 +57,7 @@ def search(
     if output is not None:
         require_writable(output)
     key, low, high = _interval(vary)
+    _require_between(key, low, high, vary)
     require_apart([key], overrides or ())
     value, tolerance = _digits(target)
 
@@ -107,17 +109,32 @@ def _interval(text: str) -> tuple[str, float, float]:
     return key, numbers[0], numbers[1]
 
 
+def _require_between(key: str, low: float, high: float, vary: str) -> None:
+    """Raise InputError where a key has choices and others would be tried: nothing is between them."""
+    from fsi.case.case import Case
+    from fsi.case.complaints import choices_of
+
+    choices = choices_of(key, Case)
+    if choices and not set(range(int(low), int(high) + 1)) <= set(choices):
+        told = f"{key} is one of {', '.join(map(str, choices))}"
+        raise InputError(f"--vary {vary}: {told}, with nothing between; use `fsi sweep --vary {key}=A,B,C`")
+
+
 def _is_whole(word: str) -> bool:
     return re.fullmatch(r"\s*\d+\s*", word) is not None
 
 
 def _digits(text: str) -> tuple[float, float]:
     """A number and half a unit of the last digit that it is written with. Raises InputError."""
-    if not re.fullmatch(r"-?\d+(\.\d*)?([eE][-+]?\d+)?", text):
+    if not re.fullmatch(r"-?\d+(\.\d*)?([eE][-+]?\d{1,9})?", text):
         raise InputError(f"--target {text}: not a number; give one with as many digits as it shall have")
     mantissa, _, exponent = text.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
-    return float(text), 0.5 * 10.0 ** (int(exponent or 0) - decimals)
+    value, half_unit = float(text), float(f"5e{int(exponent or 0) - decimals - 1}")
+    if half_unit > LARGEST or not (SMALLEST <= abs(value) <= LARGEST or value == 0.0 < half_unit):
+        bounds = f"{SMALLEST:g} to {LARGEST:g} in size"
+        raise InputError(f"--target {text}: too small or too large for numbers, {bounds}; give other units")
+    return value, half_unit
 
 
 def _trial(data: Callable[[float], dict[str, Any]], key: str, value: float, quantity: str) -> KeyTrial:
@@ -140,4 +157,5 @@ def _told_with(key: str, value: float) -> Iterator[None]:
         yield
     except (InputError, SolveError) as error:
         said = str(error)
-        raise type(error)(said if said.startswith(key) else f"{key} = {value!r}: {said}") from error
+        tells = said.startswith((key, f"--vary {key}"))
+        raise type(error)(said if tells else f"{key} = {value!r}: {said}") from error

@@ -115,6 +115,7 @@ def _done(plan: SweepPlan, pool: Pool, ranks: int) -> list[SweepRow]:
     from fsi.studies.sweep import SweepRow
     from fsi.workers.launch import outcomes
 
+    _require_sections(plan)
     requests = plan.requests()
     require_folder(plan.folder)
     for request in requests:
@@ -131,6 +132,20 @@ def _done(plan: SweepPlan, pool: Pool, ranks: int) -> list[SweepRow]:
                     failures[failed] = said
                     show(there := there + 1, len(requests))
     return [SweepRow(request, request.result(), failures.get(request.folder, "")) for request in requests]
+
+
+def _require_sections(plan: SweepPlan) -> None:
+    """Raise InputError where the case lacks a section that an option is for."""
+    from fsi.case.case import MODELS
+    from fsi.case.load import case_data
+    from fsi.levels import VISCOUS
+
+    data = case_data(plan.case, plan.overrides, plan.points()[0])
+    if plan.seeds and "arrangement" not in data:
+        raise InputError(f"--seeds {plan.seeds}: needs [arrangement], which has a seed; add one, or drop it")
+    if plan.motion and "time" not in data:
+        instead = ", or drop it" if data.get("model", MODELS[0]) in VISCOUS else ""
+        raise InputError(f"--run: needs a section [time] with its end; add one{instead}")
 
 
 def _require_all(rows: list[SweepRow], folder: Path) -> None:

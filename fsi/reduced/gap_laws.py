@@ -164,10 +164,11 @@ def make_tangential_laws(case: Case) -> dict[Mode, GapLaws]:
 
 
 def require_laws(case: Case) -> None:
-    """Raise InputError where there is no law of a name, or its file is not for the case; none is made."""
+    """Raise InputError as `make_laws` and `make_tangential_laws` do, without the laws that take long."""
     for mode in _asked_modes(case):
-        for asked in _asked(case, mode):
-            asked.require()
+        bodies, walls = _asked(case, mode)
+        bodies.require(0.25)
+        walls.require(0.0)
 
 
 def _asked_modes(case: Case) -> list[Mode]:
@@ -206,32 +207,43 @@ class _Asked:
     films: Mapping[float, str]
     own: str
 
-    def require(self) -> None:
-        """Raise InputError where the name is none of this mode and of no file for the case."""
-        if self.name in LAWS:
-            self._require_mode()
-        else:
+    def require(self, otherwise: float) -> None:
+        """Raise InputError where `law` does: all is made but tables of films whose law is always known."""
+        if self.name not in LAWS:
             self._of_file()
+            return
+        self._require_mode()
+        for overlap in self._overlaps(otherwise):
+            if not self._is_table(overlap):
+                self._named(overlap)
 
     def law(self, otherwise: float) -> FilmLaw:
         """The law; one of any ratio at k = otherwise. Raises InputError."""
         overlaps = nodes(np.array(list(self.films) or [otherwise]))
-        laws: list[LubricationLaw] = []
-        entry = LAWS.get(self.name)
-        if entry is None:
+        if self.name not in LAWS:
             laws = [self._of_file()]
-        elif not self.films:  # none will be asked for, and there may be none of such films
-            self._require_mode()
-        elif entry.any_ratio:
-            laws = [self._named(otherwise)]
-        elif self._shape in entry.closed:
-            laws = [self._named(overlap) for overlap in self.films][:1]  # each, as some may be refused
         else:
-            laws = [self._named(overlap) for overlap in overlaps.tolist()]
+            self._require_mode()
+            laws = [self._named(overlap) for overlap in self._overlaps(otherwise)]  # some may be refused
+            laws = laws[:1] if self._shape in LAWS[self.name].closed else laws
         cut = self.case.reduced.cutoff
         if cut is None:
             return FilmLaw(tuple(laws), overlaps, self.key)
         return FilmLaw(tuple(CutLaw(law, cut) for law in laws), overlaps, self.key, cut)
+
+    def _overlaps(self, otherwise: float) -> list[float]:
+        """k of the films of which a named law is made: of all, of some between, or of k = otherwise."""
+        entry, films = LAWS[self.name], list(self.films)
+        if entry.any_ratio and films:
+            return [otherwise]
+        if not films or self._shape in entry.closed:  # none will be asked for, and there may be none of such
+            return films
+        between: list[float] = nodes(np.array(films)).tolist()
+        return between
+
+    def _is_table(self, overlap: float) -> bool:
+        """Whether its exact law is a table, which takes long: of spheres beside a plane or drawn apart."""
+        return self.case.spheres and (overlap == 0.0 or (self.mode == "squeeze" and overlap > 0.0))
 
     @property
     def _shape(self) -> Shape:
@@ -246,7 +258,6 @@ class _Asked:
         return GapFilm(self._shape, mu, ratio, extrapolate=True, mode=self.mode, beyond_drag=self._has_drag)
 
     def _named(self, overlap: float) -> LubricationLaw:
-        self._require_mode()
         try:
             return LAWS[self.name].of(self._film(overlap))
         except ValueError as error:

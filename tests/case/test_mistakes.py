@@ -140,7 +140,7 @@ def test_the_number_of_further_mistakes_is_told() -> None:
         (expected("disk.force.x"), "no such body; the nearest is 'disc'"),
         (expected("disc.force.z"), "no such component; give disc.force.x, disc.force.y"),
         (expected("disc.torque.x"), "no such component; give disc.torque"),
-        (expected("apparent viscosity"), "periodic domain"),
+        (expected("apparent viscosity"), "periodic domain; give another, or drop expected.0 as a whole$"),
         (expected("disc.force.y", exact="two_discs"), 'shape = "round" and 2 of .*bodies'),
     ],
 )

@@ -87,7 +87,9 @@ def test_a_force_that_reaches_beyond_the_images_that_are_looked_for(domain: dict
 
 def test_bodies_of_a_cell_have_no_inertia() -> None:
     body = {"name": "disc", "radius": 1.0, "position": [0.0, 3.0], "mass": 1.0, "moment_of_inertia": 1.0}
-    with pytest.raises(InputError, match=r"bodies\.0\.mass = 1\.0: .*no inertia; drop it"):
+    with pytest.raises(
+        InputError, match=r"0\.mass = 1\.0: .*no inertia; drop it and bodies\.0\.moment_of_inertia$"
+    ):
         parse_case(changed("bodies", [body]) | {"domain": CELL})
 
 
@@ -193,3 +195,13 @@ def test_matter_on_a_line_has_one_density(mass: float, refused: bool) -> None:
             parse_case(data)
     else:
         parse_case(data)
+
+
+def test_slip_in_periodic_space_is_for_no_model() -> None:
+    """The reduced model led to the resolved one, which refuses it too."""
+    ball = {"name": "ball", "radius": 1.0, "position": [0.0, 0.0, 3.0], "slip_length": 0.1}
+    cell = {"shape": "cell", "vectors": [[8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]]}
+    for model in ("reduced", "resolved"):
+        data = {"name": "slip", "model": model, "geometry": "spatial", "domain": cell, "bodies": [ball]}
+        with pytest.raises(InputError, match=r"slip_length = 0\.1: fluid sticks .* in space; drop it$"):
+            parse_case(data | {"fluid": {"viscosity": 1.0}})

@@ -79,13 +79,13 @@ def test_a_name_that_is_taken_is_refused(loss: str) -> None:
     ("quantity", "case", "words"),
     [
         ("flux", case_in(CHANNEL | {"net_flux": 1.0}), "is given, as domain.net_flux; take the pressure"),
-        ("flux", case_in(CELL), "is that of a periodic channel; drop it"),
-        ("flux", pushed(), "is that of a periodic channel; drop it"),
+        ("flux", case_in(CELL), "is that of a periodic channel; give another"),
+        ("flux", pushed(), "is that of a periodic channel; give another"),
         ("pressure gradient", case_in(CHANNEL), "whose flux is given; give domain.net_flux"),
         ("pressure gradient", case_in(CELL), "whose flux is given; give domain.net_flux"),
         ("wall speed", case_in(CHANNEL), "give domain.walls.top"),
         ("shear rate", case_in(CELL), "give domain.stress"),
-        ("apparent viscosity", pushed(), "is that of a periodic domain; drop it"),
+        ("apparent viscosity", pushed(), "is that of a periodic domain; give another"),
     ],
 )
 def test_what_a_case_has_not_is_refused_with_a_remedy(quantity: str, case: Case, words: str) -> None:

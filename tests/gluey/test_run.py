@@ -14,6 +14,7 @@ from fsi.errors import InputError, SolveError
 from fsi.models import make_evolution
 from fsi.runs import resume
 from fsi.runs import run as run_case
+from tests.commands import fsi_command
 from tests.small_run import break_off, contents, rows
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -43,6 +44,13 @@ def test_a_run_can_be_opened(name: str, series: str, tmp_path: Path) -> None:
     assert run.end == run.steps["t"].iloc[-1] == small(name).timing.end
     assert run.mesh(series=series).n_points == (2 if series == "bodies" else 20)
     assert run.case == small(name)
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_case_without_time_is_for_nothing(command: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """A check called it an instant, and a run led to `fsi solve`, which led back."""
+    assert fsi_command(command, CASES / "gluey" / "two_discs.toml", "--set", "time=none") == 2
+    assert capfd.readouterr().err == "error: time: missing; add a section [time] with its end\n"
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from math import log
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +14,9 @@ import tomli_w
 from fsi.case.case import Case
 from fsi.case.law_file import LawFile, SeriesSection, TableSection, save_law
 from fsi.errors import InputError, SolveError
+from fsi.lubrication.named_laws import _table_of_spheres
 from fsi.models import make_model
-from fsi.reduced.gap_laws import Films, make_laws, make_tangential_laws
+from fsi.reduced.gap_laws import Films, make_laws, make_tangential_laws, require_laws
 from tests.commands import fsi_command
 from tests.reduced_data import EQUAL, LARGE, PLANE, UNEQUAL, disc, reduced_case
 
@@ -261,3 +264,34 @@ def test_a_check_reads_the_laws(tmp_path: Path, capfd: pytest.CaptureFixture[str
     assert "a law of bodies of radii 1 : 3, but the case has bodies" in capfd.readouterr().err
     (tmp_path / "law.toml").write_text('form = "table"')
     assert checked(tmp_path, str(tmp_path / "law.toml")) == 2
+
+
+BALLS = [
+    {"name": "a", "radius": 1.0, "position": [0, 0, 1.2]},
+    {"name": "b", "radius": 0.5, "position": [0, 0, 4]},
+]
+
+
+@pytest.mark.parametrize(
+    ("bodies", "domain", "laws", "make", "words"),
+    [
+        (BALLS[:1], {"shape": "round", "radius": 8.0}, {}, make_laws, "of 8 radii; give reduced.wall_law"),
+        (BALLS, {"shape": "unbounded"}, {"shear_law": "exact"}, make_tangential_laws, "shear of two spheres"),
+    ],
+)
+def test_a_check_refuses_films_as_the_model_does(
+    bodies: list[dict[str, Any]], domain: dict[str, Any], laws: dict[str, str], make: Any, words: str
+) -> None:
+    """It passed what `fsi solve` and `fsi run` always refuse."""
+    case = reduced_case(bodies, laws | {"cutoff": 1.0}, geometry="spatial", domain=domain)
+    with pytest.raises(InputError, match=words) as refused:
+        require_laws(case)
+    with pytest.raises(InputError, match=re.escape(str(refused.value))):
+        make(case)
+
+
+def test_a_check_makes_no_tables() -> None:
+    """Of spheres drawn apart and beside a plane: it would take a second for what is never refused."""
+    before = _table_of_spheres.cache_info()
+    require_laws(reduced_case(BALLS, {}, geometry="spatial", domain={"shape": "half-plane", "radius": 50.0}))
+    assert _table_of_spheres.cache_info() == before

@@ -162,6 +162,12 @@ def test_runs_in_time_are_averaged(case: Path, tmp_path: Path, here: list[str]) 
             ],
             "no velocities at an instant; add --run",
         ),
+        (["--seeds", "2", "--set", "arrangement=none"], "--seeds 2: needs [arrangement], which has a seed"),
+        (
+            ["--run", "--set", "time=none"],
+            "--run: needs a section [time] with its end; add one, or drop it\n",
+        ),
+        (["--run", "--set", "time=none", "--set", "model=gluey"], "[time] with its end; add one\n"),
         (["--quantity", "viscosity"], "--quantity viscosity: no such number"),
         (["--quantity", "disc0001.position.x"], "disc0001.position.x: is of a run, not of an instant;"),
         (["--scheduler", "tcp://127.0.0.1:9", "--workers", "2"], "--workers 2: the cluster has its own"),

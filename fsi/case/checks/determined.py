@@ -67,9 +67,9 @@ def _check_cell(case: Case) -> None:
         )
     for i, body in enumerate(case.bodies):
         if body.mass is not None:
-            raise InputError(
-                f"bodies.{i}.mass = {body.mass!r}: in a cell without walls bodies have no inertia; drop it"
-            )
+            both = "" if body.moment_of_inertia is None else f" and bodies.{i}.moment_of_inertia"
+            why = "in a cell without walls bodies have no inertia"
+            raise InputError(f"bodies.{i}.mass = {body.mass!r}: {why}; drop it{both}")
 
 
 def _stopped_modes(case: Case, inertia: bool = True) -> Iterator[Array]:

@@ -26,7 +26,10 @@ def check_expected(case: Case) -> None:
     For `fsi check` and `fsi validate`: whoever solves a case with a change, `--set bodies=[]`, needs no rows.
     """
     for i, row in enumerate(case.expected):
-        check_quantity(case, row.quantity, f"expected.{i}.quantity = {toml_text(row.quantity)}")
+        try:
+            check_quantity(case, row.quantity, f"expected.{i}.quantity = {toml_text(row.quantity)}")
+        except InputError as error:
+            raise InputError(f"{error}, or drop expected.{i} as a whole") from None
         if row.exact is not None:
             from fsi.lubrication.exact_results import EXACT
 
@@ -50,7 +53,7 @@ def _check_component(case: Case, quantity: str, here: str) -> None:
     turning = kind in ("angular_velocity", "torque")
     letters = _COMPONENTS[case.geometry][turning]
     if case.axisymmetric and turning:
-        raise InputError(f"{here}: a sphere on the axis does not turn; drop it")
+        raise InputError(f"{here}: a sphere on the axis does not turn; give another")
     if "".join(axis) not in (letters or ("",)) or bool(axis) != bool(letters):
         choices = ", ".join(f"{body}.{kind}.{letter}" for letter in letters) or f"{body}.{kind}"
         raise InputError(f'{here}: geometry = "{case.geometry}" has no such component; give {choices}')

@@ -20,6 +20,9 @@ def check_surfaces(case: Case) -> None:
         for i, body in enumerate(case.bodies)
         if body.surface_velocity is not None
     }
+    if sliding and case.dimension == 3 and len(case.container().periods):
+        key, b = next(iter(sliding.items()))
+        raise refusal(key, b, "fluid sticks to all surfaces of periodic domains in space; drop it")
     if not case.level.meshed:
         for key, value in (sliding | swimming).items():
             raise refusal(key, value, f'model = "{case.model}" does not know it; drop it or give "resolved"')
@@ -37,8 +40,6 @@ def check_surfaces(case: Case) -> None:
     for option, word in (("formulation", "multiplier"), ("solver", "iterative")):
         if getattr(case.discretisation, option) == word:
             raise InputError(f'{here}: discretisation.{option} = "{word}" does not know it; drop that')
-    if case.dimension == 3 and len(case.container().periods):
-        raise InputError(f"{here}: fluid sticks to all surfaces of periodic domains in space; drop it")
     size = max((body.radius for body in case.bodies), default=case.container().size())
     for key, b in sliding.items():
         if b < SHORTEST * size:
