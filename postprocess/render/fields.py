@@ -22,7 +22,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Self
 
 from fsi.errors import InputError, refuse_taken
-from fsi.postprocess.render.scales import FromZero, Linear, Logarithmic, Scale, Seen, Signed, Span, shaded
+from fsi.postprocess.render.scales import FromZero, Linear, Logarithmic, Scale, Shown, Signed, Span, shaded
 
 if TYPE_CHECKING:  # for `fsi render --help`, which lists the fields, what draws them is not imported
     from matplotlib.cm import ScalarMappable
@@ -75,7 +75,7 @@ class RenderedField:
         """The same where the coordinates have those letters."""
         return replace(self, label=self.label.replace("{x}", right).replace("{y}", up))
 
-    def shades(self, steps: Sequence[Seen], asked: Span | None = None) -> ScalarMappable:
+    def shades(self, steps: Sequence[Shown], asked: Span | None = None) -> ScalarMappable:
         """What its colours mean in all those steps, in the range that is asked for, or in that of all.
 
         Raises InputError: it is not finite there.
@@ -84,9 +84,9 @@ class RenderedField:
 
         self._require_finite(steps)
         span = asked or self.scale.joined([seen.span for seen in steps])
-        return shaded(self.scale, Seen(span, median(seen.typical for seen in steps)), self.colour_map)
+        return shaded(self.scale, Shown(span, median(seen.typical for seen in steps)), self.colour_map)
 
-    def _require_finite(self, steps: Sequence[Seen]) -> None:
+    def _require_finite(self, steps: Sequence[Shown]) -> None:
         """Raise InputError where what is seen of it is NaN or infinite, which no colour shows."""
         if not all(map(isfinite, (number for span, typical in steps for number in (*span, typical)))):
             raise InputError(f"--field {self.name}: is NaN or infinite in these steps; correct its `value`")

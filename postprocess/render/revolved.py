@@ -18,7 +18,7 @@ from fsi.postprocess.render.canvas import Picture, new_spatial_panel
 from fsi.postprocess.render.curved_cells import cells_within, refine
 from fsi.postprocess.render.fields import rendered_field
 from fsi.postprocess.render.picture import Artist, Framed, compose
-from fsi.postprocess.render.scales import Seen
+from fsi.postprocess.render.scales import Shown
 from fsi.postprocess.render.scenes import scene, window_on
 from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.run import Run
@@ -53,7 +53,7 @@ class RevolvedArtist(Artist):
             framed = Framed(self._image(step, view, shades), title, half, self.field.label, shades, ends)
             yield compose(self.title(step), [framed], self.choice.theme)
 
-    def _seen(self, step: int, window: View) -> Seen:
+    def _seen(self, step: int, window: View) -> Shown:
         """What colours the flat picture, to which nodes in films and on walls count for little."""
         flat = scene(self.run, step, self.run.mesh(step), window, tractions=False)
         return self.field.scale.seen(*flat.samples(self.field))

@@ -26,7 +26,7 @@ _APART = 30.0  # the largest value over the typical one, above which colours in 
 _NOISE = 1e-3  # of the largest value: sizes below may be errors of the elements
 
 
-class Seen(NamedTuple):
+class Shown(NamedTuple):
     """What a step shows of a field.
 
     Attributes:
@@ -69,15 +69,15 @@ class Scale(ABC):
         middle = 0.5 * (least + most)
         return (middle, middle) if most - least <= _KNOWN * max(-least, most) else (least, most)
 
-    def seen(self, values: Array, weights: Array) -> Seen:
+    def seen(self, values: Array, weights: Array) -> Shown:
         """Of values (n,) that stand for areas of those sizes (n,)."""
-        return Seen(self.span(values, weights), exceeded(abs(values), weights, 0.5))
+        return Shown(self.span(values, weights), exceeded(abs(values), weights, 0.5))
 
-    def seen_on_plane(self, values: Array) -> Seen:
+    def seen_on_plane(self, values: Array) -> Shown:
         """Of evenly spaced values (n,), on a plane in space."""
         import numpy as np
 
-        return Seen(self.span_on_plane(values), float(np.median(abs(values))))
+        return Shown(self.span_on_plane(values), float(np.median(abs(values))))
 
     @abstractmethod
     def norm(self, span: Span, typical: float) -> Normalize:
@@ -191,7 +191,7 @@ def exceeded(values: Array, weights: Array, part: float) -> float:
     return float(values[order][min(share.searchsorted((1.0 - part) * share[-1]), len(order) - 1)])
 
 
-def shaded(scale: Scale, seen: Seen, colours: Colormap) -> ScalarMappable:
+def shaded(scale: Scale, seen: Shown, colours: Colormap) -> ScalarMappable:
     """What colours mean; a single one where the ends of the range are equal."""
     from matplotlib.cm import ScalarMappable
 

@@ -17,7 +17,7 @@ from fsi.postprocess.render.fields import DISTURBANCE, RenderedField, rendered_f
 from fsi.postprocess.render.mean_flow import is_sheared
 from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
-from fsi.postprocess.render.scales import Seen, exceeded
+from fsi.postprocess.render.scales import Shown, exceeded
 from fsi.postprocess.render.view import Choice, View, around_all
 from fsi.postprocess.render.walls import draw_open_walls
 from fsi.postprocess.run.run import Run
@@ -108,7 +108,7 @@ class SpatialArtist(FlowArtist):
             (low, high), typical = field.scale.seen(
                 np.minimum(values, exceeded(values, areas, _FILMS)), areas
             )
-            seen = Seen((min(low, _DECADE * high), high), typical)
+            seen = Shown((min(low, _DECADE * high), high), typical)
         else:
             values = np.concatenate([np.asarray(surface["value"]) for surface, _ in parts])
             seen = field.scale.seen_on_plane(values)

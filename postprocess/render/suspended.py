@@ -21,7 +21,7 @@ from fsi.errors import InputError
 from fsi.postprocess.render.canvas import Picture, new_panel
 from fsi.postprocess.render.mean_flow import sliding_walls, undisturbed
 from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
-from fsi.postprocess.render.scales import FromZero, Seen, shaded
+from fsi.postprocess.render.scales import FromZero, Shown, shaded
 from fsi.postprocess.render.scenes import images
 from fsi.postprocess.render.view import Choice, View, around_all, around_period
 from fsi.postprocess.render.walls import draw_open_walls, inside_walls
@@ -95,7 +95,7 @@ class MotionArtist(Artist):
         q = [self._moving(step).q for step in steps]
         return around_all(np.stack([at.centres for at in q]), q[0].radii)
 
-    def _seen(self, steps: Sequence[int]) -> Seen:
+    def _seen(self, steps: Sequence[int]) -> Shown:
         """Speeds from zero to what hardly any body exceeds in those steps."""
         speeds = np.concatenate([self._moving(step).speed for step in steps])
         return FromZero().seen(speeds, np.ones(len(speeds)))
