@@ -147,7 +147,7 @@ class DistanceModel(ReducedModel):
 
     @property
     def _surely_found(self) -> float:
-        """The search for pairs finds all whose gap is smaller, however that rounds."""
+        """The search finds all pairs of bodies whose gap is smaller, however that rounds."""
         return 0.999 * min(self.reach, self.case.container().size())
 
     def _met(self, state: State) -> Met:
@@ -249,7 +249,8 @@ class DistanceModel(ReducedModel):
             the drift, by how much stored gaps are off at most.
         """
         ambient = self.surroundings(q, t)
-        in_contact = (np.exp(memory.x) < self.reach) & ~(gap < self._surely_found)
+        of_wall = memory.key[:, 1] >= len(q)  # which may stop to count beside an edge
+        in_contact = (np.exp(memory.x) < self.reach) & (of_wall | ~(gap < self._surely_found))
         pairs = find_pairs(q, ambient.enclosure, self.reach, memory.key[in_contact])
         known, stored = memory.positions(pairs.key)
         new = np.setdiff1d(np.arange(len(pairs)), known, assume_unique=True)
