@@ -12,9 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 from fsi.case.case import MODELS, Case
-from fsi.case.load import parse_case
+from fsi.case.load import load_case, parse_case
 from fsi.cli.main import app
-from fsi.comparison.motion import case_at_levels
+from fsi.comparison.levels import case_at_levels, run_levels
+from fsi.comparison.motion import History, trajectories
 from fsi.errors import InputError
 from fsi.levels import LEVELS, VISCOUS
 from fsi.models import EVOLUTIONS, INSTANTS, make_evolution
@@ -178,6 +179,34 @@ def test_any_levels_are_compared(tmp_path: Path) -> None:
     gaps = np.array(data["gaps"]["gluey"])
     np.testing.assert_allclose(data["gaps"]["macroscopic"], gaps, atol=1e-9)
     assert (tmp_path / "levels" / "comparison.png").stat().st_size > 10_000
+
+
+def test_what_is_compared_does_not_depend_on_the_times_of_output(tmp_path: Path) -> None:
+    """A pair meets at t = 1, its gap is 1 - t^2 before and 0 after, in steps of 0.02 off by 0.02 at most.
+
+    On the line between the rows of a gluey run at t = 0 and 1.5, 1 - t/1.5, it was 1/3 at t = 1.
+    """
+    output, time = {"fields": False, "interval": 1.5}, {"end": 1.5, "step": 0.02}
+    case = parse_case(pair("gluey", output=output, time=time, macroscopic={"parcels": 40}))
+    cases = case_at_levels(case, ["macroscopic", "gluey"])
+    run_levels(cases, tmp_path)
+    runs = {level: open_run(tmp_path / level) for level in cases}
+    histories = {
+        level: History.of_tables(cases[level], each.columns("bodies"), each.columns("steps"))
+        for level, each in runs.items()
+    }
+    found = trajectories(cases, histories)
+    assert found.differences["gluey"] < 1e-9
+    exact = np.maximum(0.0, 1.0 - found.t**2)
+    np.testing.assert_allclose(found.smallest["gluey"], exact, atol=0.021)
+    assert len(runs["gluey"].bodies) == 2 * len(runs["gluey"].steps)
+
+
+def test_levels_with_a_flow_write_fields_as_the_case_says() -> None:
+    """Each of them is large, and their rows are of all steps."""
+    case = load_case(ROOT / "cases" / "compare_settling.toml")
+    found = case_at_levels(case, ["resolved", "reduced"])
+    assert [each.output.interval for each in found.values()] == [4.0, None]
 
 
 @pytest.mark.parametrize("levels", [["gluey"], ["gluey", "gluey"], ["gluey", "sticky"]])

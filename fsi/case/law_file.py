@@ -75,16 +75,18 @@ class SeriesSection(Section):
     @model_validator(mode="after")
     def _matching(self) -> SeriesSection:
         n = len(self.powers)
-        slopes = self.powers if self.slopes is None else self.slopes
-        if any(len(given) != n for given in (self.logs, self.coefficients, slopes)):
-            raise ValueError(f"has {n} powers, but not as many logs, coefficients or slopes")
-        if (self.root is None) is (self.covariance is None):
-            raise ValueError("must have a root or, as older files, a covariance")
+        for name in ("logs", "coefficients", "slopes"):
+            given = getattr(self, name)
+            if given is not None and len(given) != n:
+                raise ValueError(f"has {n} powers but {len(given)} {name}; give one of them for each power")
         size = n if self.slopes is None else n + 1
+        square = f"give {size} rows of {size} numbers, or let `fsi calibrate` write the file"
+        if (self.root is None) is (self.covariance is None):
+            raise ValueError(f"must have a root or, as older files, a covariance; of one of them {square}")
         for name in ("root", "covariance"):
             rows = getattr(self, name) or ((0.0,) * size,) * size
             if any(len(given) != size for given in (rows, *rows)):
-                raise ValueError(f"has a {name} that is not of {size} rows and columns")
+                raise ValueError(f"has a {name} that is not of {size} rows and columns; {square}")
         return self
 
     @property
@@ -117,14 +119,16 @@ class TableSection(Section):
     @model_validator(mode="after")
     def _monotone(self) -> TableSection:
         if len(self.s) != len(self.K):
-            raise ValueError(f"has {len(self.s)} gaps but {len(self.K)} resistances")
+            raise ValueError(f"has {len(self.s)} gaps but {len(self.K)} resistances; give as many of both")
         if (
             self.s[0] <= 0.0
             or self.K[-1] <= 0.0
             or np.any(np.diff(self.s) <= 0.0)
             or np.any(np.diff(self.K) >= 0.0)
         ):
-            raise ValueError("is not a positive resistance that decreases with the gap")
+            raise ValueError(
+                "is not a positive resistance that decreases with the gap; give s that rise, K > 0 that fall"
+            )
         return self
 
     def profile(self) -> Profile:

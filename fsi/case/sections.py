@@ -105,7 +105,7 @@ class Output(Section):
     """What a run writes."""
 
     interval: Positive | None = None
-    """the time between field files, a number > 0"""
+    """the time between field files, and in gluey runs between rows of `bodies.csv`, a number > 0"""
     fields: bool = True
     """true to write field files, false for tables only"""
     error_estimates: bool = False

@@ -34,12 +34,12 @@ def compare(
     First at time 0, of all levels that give velocities at an instant: apparent viscosity, velocities less
     the mean flow, spins, and rates of the narrowest gaps; a case without [time] is compared there alone.
     Then over time: smallest gaps, and apparent viscosities where two levels have them, in one picture.
-    What is in the folder already is not run again. Of the reduced level against the resolved one alone the
-    rates of the gaps are compared too, at the same configurations; the picture then shows these and the
-    smallest gap of each body.
+    What is in the folder already is not run again; levels without a flow write all their steps, whatever
+    output.interval is. Of the reduced level against the resolved one alone the rates of the gaps are compared
+    too, at the same configurations; the picture then shows these and the smallest gap of each body.
     """
     from fsi.comparison.instants import compare_instants
-    from fsi.comparison.motion import case_at_levels, require_motion, run_levels
+    from fsi.comparison.levels import case_at_levels, require_motion, run_levels
     from fsi.files import json_text, require_folder
     from fsi.report.progress import ProgressBar
 

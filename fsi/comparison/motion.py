@@ -11,8 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,14 +20,10 @@ from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 from fsi.arrays import Array
 from fsi.bodies.configuration import LOADS, MODES, PLACES, Configuration
 from fsi.bodies.gaps import smallest_of_each, without_rounding
-from fsi.case.case import MODELS, Case
-from fsi.case.load import load_case, parse_case
-from fsi.errors import InputError
-from fsi.parallel import on_root
+from fsi.case.case import Case
 from fsi.reduced.model import ReducedModel
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import find_pairs
-from fsi.runs import Progress, no_progress, resume, run
 
 # Of a table and a plot.
 TIMES = 601
@@ -162,51 +156,6 @@ class RateComparison:
             }
             for i in range(len(speed))
         ]
-
-
-def case_at_levels(case: Case, levels: Sequence[str], law: str | None = None) -> dict[str, Case]:
-    """The case at each level, with another law of the reduced model if one is given.
-
-    Raises InputError if the case is not one for it.
-    """
-    if len(levels) < 2 or len(set(levels)) < len(levels) or not set(levels) <= set(MODELS):
-        raise InputError(
-            f"--levels {','.join(levels)}: give at least two different ones of {', '.join(MODELS)}"
-        )
-    data = case.as_data()
-    if law is not None:
-        data["reduced"] = data["reduced"] | {"law": law}
-    return {level: parse_case(data | {"model": level}) for level in levels}
-
-
-def require_motion(cases: Mapping[str, Case]) -> None:
-    """Raise InputError where a level only steps and the case has no [time]."""
-    for case in cases.values():
-        if not case.level.viscous:
-            _ = case.timing
-
-
-def run_levels(cases: Mapping[str, Case], folder: Path, progress: Progress = no_progress) -> None:
-    """Run all levels, or go on with what is in the folder; collective.
-
-    Raises InputError if the folder holds the run of another case, with nothing written; SolveError if a run
-    cannot go on.
-    """
-    for level, case in cases.items():
-        on_root(partial(_require_same, folder / level, case))
-    on_root(lambda: folder.mkdir(parents=True, exist_ok=True))
-    for level, case in cases.items():
-        # Not by each rank: one that looks late would see the folder that root has made since.
-        if on_root((folder / level).exists):
-            resume(folder / level, progress)
-        else:
-            run(case, folder / level, progress)
-
-
-def _require_same(folder: Path, case: Case) -> None:
-    """A run that is there already must be one of this case."""
-    if folder.exists() and load_case(folder / "case.toml") != case:
-        raise InputError(f"output = {folder}: holds the run of another case; give a new folder")
 
 
 def trajectories(cases: Mapping[str, Case], histories: Mapping[str, History]) -> Trajectories:

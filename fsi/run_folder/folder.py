@@ -4,7 +4,7 @@
     provenance.json   the case that it is, digests of the files that this names, and one entry for each
                       launch: versions, commit, ranks, command, what it changed of the case
     steps.csv         one row a step; the columns cpu_*, the last ones, are CPU seconds
-    bodies.csv        one row for each step and body; F and T are external loads (int sigma n)
+    bodies.csv        one row for each step (gluey: each output) and body; F and T are external, int sigma n
     contacts.csv, profiles.csv    what the gluey and the macroscopic model add at the times of output
     fields/*.vtu      what the model writes, listed in time by fluid.pvd and surface.pvd
     state.npz         what the next step depends on

@@ -26,7 +26,6 @@ from fsi.postprocess.render.walls import draw_open_walls
 from fsi.postprocess.run.run import Run
 
 _STREAMLINES = 24
-_WIDE = 4.0  # radii of the largest body
 
 
 class PlanarArtist(FlowArtist):
@@ -67,15 +66,11 @@ class PlanarArtist(FlowArtist):
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         window = window_on(self.run, steps, self._mesh(steps[0]))
-        if len(self.panels) > 1 and all(self._is_wide(step, window) for step in steps):
-            self.panels = self.panels[:1]
+        if len(self.panels) > 1:
+            gaps = (gap_at(self.run, step, None, window) for step in steps)
+            self.panels = self.panels if any(map(window.is_narrow, gaps)) else self.panels[:1]
         shades = self._shades(steps, window)
         return (self._picture(step, window, shades) for step in steps)
-
-    def _is_wide(self, step: int, window: View) -> bool:
-        """Whether the narrowest gap of a step is so wide that a close-up has nothing to show."""
-        gap = gap_at(self.run, step, None, window)
-        return gap.width > _WIDE * float(self.run.configuration(step).radii.max())
 
     def _shades(self, steps: Sequence[int], window: View) -> list[ScalarMappable]:
         """What the colours of each panel mean, over all those steps."""

@@ -16,6 +16,8 @@ from fsi.postprocess.render.scales import Span
 
 _CLOSE_UP = 12.0  # width of the close-up, in gaps
 _STRIP = 0.4  # height of the close-up over its width: films are long
+_FILLED = 0.8  # most of that height that a gap takes, so that the surfaces on both sides are seen
+_ZOOM = 2.0  # least width of a window over that of a close-up in it
 _MARGIN = 1.1  # of a window around all bodies
 _ROOM = 1.5  # free space around the bodies, in radii of the largest
 _PERIOD = 0.6  # half the width of the window over the longest side of a periodic domain
@@ -110,15 +112,30 @@ class View:
         return np.concatenate([inside, above], axis=-1)
 
     def close_up(self, gap: SurfaceGap) -> View:
-        """A window twelve gaps wide on the gap, or as wide as this one where that is smaller.
+        """A window on the gap: in the plane a strip along the film, turned until that lies flat.
 
-        In the plane it is a strip along the film, turned until that lies flat; in space a cube, or this one.
+        It is twelve gaps wide, or half as wide as this window where that is smaller, unless both surfaces are
+        seen in a wider one only. In space it is a cube, or this one where that is smaller.
         """
         half = 0.5 * _CLOSE_UP * gap.width
         if len(self.centre) == 3:
             return View(gap.middle, half) if half < self.half else self
         x, y = (gap.normal if gap.normal[1] >= 0.0 else -gap.normal).tolist()
-        return View(gap.middle, min(half, self.half), _STRIP, (x, y))
+        return View(gap.middle, min(half, max(self._closest, _least(gap))), _STRIP, (x, y))
+
+    def is_narrow(self, gap: SurfaceGap) -> bool:
+        """Whether half of this window is wide enough for a close-up of the gap with both its surfaces."""
+        return _least(gap) <= self._closest
+
+    @property
+    def _closest(self) -> float:
+        """Half the width of what is seen closer than in this window, at most."""
+        return self.half / _ZOOM
+
+
+def _least(gap: SurfaceGap) -> float:
+    """Half the width of the smallest close-up that has both surfaces of a gap in it."""
+    return 0.5 * gap.width / (_STRIP * _FILLED)
 
 
 def around_bodies(centres: Array, radii: Array, fluid: pv.UnstructuredGrid) -> View:

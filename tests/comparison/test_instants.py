@@ -15,7 +15,7 @@ from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.cli.main import app
 from fsi.comparison.instants import compare_instants, instants_json
-from fsi.comparison.motion import case_at_levels
+from fsi.comparison.levels import case_at_levels
 from fsi.errors import InputError, SolveError
 from fsi.models import make_model
 from tests.reduced_data import reduced_case

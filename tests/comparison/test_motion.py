@@ -24,7 +24,7 @@ LATE = """
 import sys, time
 from pathlib import Path
 import fsi, fsi.parallel as parallel
-from fsi.comparison.motion import run_levels
+from fsi.comparison.levels import run_levels
 
 exists = Path.exists
 

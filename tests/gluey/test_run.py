@@ -138,6 +138,17 @@ def test_mistakes_are_one_line(change: str, message: str) -> None:
     assert "\n" not in str(mistake.value)
 
 
+@pytest.mark.parametrize("wall", ["bottom", "slope"])
+def test_no_body_is_called_as_tables_of_contacts_call_a_wall(wall: str) -> None:
+    """Rows of both were one contact: what body and wall stored was mixed up."""
+    walls = "gluey.walls=[{name='slope',point=[0,-9],normal=[0,1]}]"
+    changes = ["domain={lower=[-50,-50],upper=[50,50]}", walls, "bodies.0.name='wall'"]
+    refusal = rf'^bodies\.1\.name = "wall {wall}": contacts\.csv calls a wall so; give another one$'
+    with pytest.raises(InputError, match=refusal):
+        load_case(CASES / "gluey" / "two_discs.toml", [*changes, f"bodies.1.name='wall {wall}'"])
+    assert load_case(CASES / "gluey" / "two_discs.toml", [*changes, "bodies.1.name='b'"]).names[0] == "wall"
+
+
 def test_neighbours_of_a_grid_may_touch() -> None:
     grid = "grids=[{name='g',counts=[2,2],lower=[9,9],spacing=2,radius=[1,1]}]"
     assert len(load_case(CASES / "gluey" / "two_discs.toml", [grid]).bodies) == 6

@@ -45,6 +45,10 @@ def _check_walls(case: Case) -> None:
 
 
 def _check_names(case: Case) -> None:
+    sides = {f"wall {name}" for name in (*case.domain.walls, *(wall.name for wall in case.gluey.walls))}
+    for i, name in enumerate(case.names):
+        if name in sides:
+            raise refusal(f"bodies.{i}.name", name, "contacts.csv calls a wall so; give another one")
     taken = {*case.domain.walls, *case.names}
     for i, wall in enumerate(case.gluey.walls):
         if wall.name in taken:

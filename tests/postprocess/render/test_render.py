@@ -64,11 +64,14 @@ def test_nothing_is_cut_off(run: Path) -> None:
         assert border.min() == 1.0
 
 
-@pytest.mark.parametrize(("radius", "panels"), [(0.25, 2), (0.2, 1)])
+@pytest.mark.parametrize(("radius", "panels"), [(0.7, 2), (0.65, 1)])
 def test_wide_gaps_have_no_close_up(
     radius: float, panels: int, run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Below the disc at 1.2 they are 3.8 and 5 radii wide; up to 4 there is something to see."""
+    """Below the disc at 1.2 they are 0.71 and 0.85 radii wide.
+
+    Half of its window, 5 radii wide, is a strip one radius high, which a gap fills to 4/5 at most.
+    """
     case = run / "case.toml"
     case.write_text(case.read_text().replace("radius = 1.0", f"radius = {radius}"))
     monkeypatch.setattr(PlanarArtist, "_shades", lambda *_: [])
@@ -182,9 +185,15 @@ def test_close_up_at_a_curved_wall_points_outwards() -> None:
     np.testing.assert_allclose(found.middle, 5.95 * ray, atol=1e-6)
 
 
-def test_no_close_up_of_wide_gaps() -> None:
-    window = View(np.zeros(2), 5.0)
-    assert window.close_up(SurfaceGap(2.0, np.ones(2), (0, 1), np.array([0.0, 1.0]))).half == window.half
+@pytest.mark.parametrize(
+    ("gap", "half", "narrow"),
+    [(0.4, 2.4, True), (0.5, 2.5, True), (1.59, 2.5, True), (1.61, 1.61 / 0.64, False), (2.0, 3.125, False)],
+)
+def test_a_close_up_is_half_as_wide_as_the_window_at_most(gap: float, half: float, narrow: bool) -> None:
+    """It was as wide, half = 5: its frame left the panel. Wide gaps fill 0.8 of 0.4 times 2 half."""
+    window, wide = View(np.zeros(2), 5.0), SurfaceGap(gap, np.ones(2), (0, 1), np.array([0.0, 1.0]))
+    assert window.close_up(wide).half == pytest.approx(half)
+    assert window.is_narrow(wide) is narrow
 
 
 def test_no_opengl_is_one_clear_line(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
