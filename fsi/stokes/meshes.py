@@ -29,12 +29,13 @@ class CaseMeshes:
     Attributes:
         units: those of all meshes but the user's.
         moving: whether one mesh is moved with the bodies as long as it can be.
+        opening: the part of the way to where laws below a gap have the bodies that they are moved.
         workspace: what solves on the mesh that is moved share.
     """
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, opening: float = 1.0) -> None:
         """Those of the case; nothing is meshed yet."""
-        self.case, self.units = case, Units.of(case)
+        self.case, self.units, self.opening = case, Units.of(case), opening
         sizes = case.discretisation
         along = (sizes.cells_per_gap, sizes.cells_per_circle, sizes.growth, sizes.interior)
         self.resolution = Resolution(*along)
@@ -71,9 +72,14 @@ class CaseMeshes:
         growth = min(self.resolution.growth, coarsest) / comparison.finer
         return self._built(q, t, replace(self.resolution, growth=growth), comparison.degree)
 
+    def places(self, q: Configuration, t: float) -> Configuration:
+        """Where bodies that are at q are meshed. Raises SolveError: there is no room to move them apart."""
+        meshed = self.case.meshed_at(q, t)
+        return replace(q, centres=q.centres + self.opening * (meshed.centres - q.centres))
+
     def rounded(self, q: Configuration, t: float) -> float:
         """The part of a gap, at most, by which it is another one as lengths in these units have 15 digits."""
-        meshed = self.case.meshed_at(q, t)
+        meshed = self.places(q, t)
         given = find_gaps(meshed, self.case.container().at(t, q.strain)).smallest_of_each()
         here = self.units.scaled_configuration(meshed)
         solved = self.units.length * find_gaps(here, self._container.at(t, q.strain)).smallest_of_each()
@@ -87,7 +93,7 @@ class CaseMeshes:
             return self.scaled_mesh(q, t)
         if self._mover is not None:
             duration, strain = t - self._meshed_time, q.strain - self._meshed.strain
-            places = self.units.scaled_places(self.case.meshed_at(q, t).centres)
+            places = self.units.scaled_places(self.places(q, t).centres)
             angles = q.angles if q.shaped else None
             quality = self._mover.move(places, lambda e: self._container.carried(e, duration, strain), angles)
             if quality is not None:
@@ -115,7 +121,7 @@ class CaseMeshes:
         self.workspace.close()
         if self._mover is not None:
             self._mover.close()
-        here = self.units.scaled_configuration(self.case.meshed_at(q, t))
+        here = self.units.scaled_configuration(self.places(q, t))
         self._mover = Mover(self.scaled_mesh(q, t), here.centres, here.placed, here.standing)
         self._meshed, self._meshed_time = q, t
         return self._mover.fluid
@@ -128,7 +134,7 @@ class CaseMeshes:
         where = t, q.strain, *(x.tobytes() for x in (q.centres, q.radii, q.angles))
         if where != self._made[0]:
             self._made = where, {}
-        here = self.units.scaled_configuration(self.case.meshed_at(q, t))
+        here = self.units.scaled_configuration(self.places(q, t))
         container = self._container.at(t, q.strain)
         try:
             domain = FluidDomain(

@@ -25,11 +25,12 @@ from fsi.stokes.solve import Clock, solve
 from fsi.stokes.units import Units
 from fsi.stokes.walls import boundary_of, surfaces_of
 
-# What laws below a gap miss grows like its root or faster: 1 - 2^(-1/2) of it is seen at half the gap.
+# What laws below a gap miss grows like the root of opened gaps or faster: with bodies moved apart half as far
+# 1 - 2^(-1/2) of it is seen.
 OF_LAWS = 3.5
 # Fluid that is shut in leaves by several gaps once they are opened, but through the widest of them before.
 WAYS_OUT = 3.0
-# Gaps below which laws act: with less around a body in a round wall they miss more than half the gap tells.
+# Gaps below which laws act: with less around a body in a round wall they miss more than half the way tells.
 ROOM = 10.0
 
 
@@ -41,9 +42,9 @@ class StokesModel:
         options: how its flows are solved.
     """
 
-    def __init__(self, case: Case) -> None:
-        """A model of the case; nothing is meshed yet."""
-        self.case, self.meshes = case, CaseMeshes(case)
+    def __init__(self, case: Case, opening: float = 1.0) -> None:
+        """A model of the case, with bodies moved apart as by `CaseMeshes`; nothing is meshed yet."""
+        self.case, self.meshes = case, CaseMeshes(case, opening)
         sizes = case.discretisation
         self.options = SolverOptions(sizes.degree, sizes.formulation, sizes.solver)
 
@@ -76,12 +77,17 @@ class StokesModel:
         return self._solved(self.problem(self.meshes.scaled_mesh(q, t, degree), q, t, motion), degree, clock)
 
     def _factor_of_laws(self, below: float, q: Configuration, t: float) -> float:
-        """By which the error of laws below a gap c is larger than what half the gap changes.
+        """By which the error of laws below a gap c is larger than what half the way to it changes.
 
-        In the plane fluid that gaps of d shut in gets out as d^(5/2): by how much opened gaps change that,
-        ((c/d)^(5/2) - 1) / (2^(5/2) - 1) times as much as half of them.
+        In the plane fluid that gaps of d shut in gets out as D^(5/2), D = c where they are opened and
+        (c + d) / 2 half-way: by how much opened gaps change that, ((c/d)^(5/2) - 1) / ((c/D)^(5/2) - 1) times
+        as much as half of the way.
         """
-        unknown: float = ((below / self._way_out(below, q, t)) ** 2.5 - 1.0) / (2.0**2.5 - 1.0)
+        out = self._way_out(below, q, t)
+        half = 0.5 * (below + out)
+        if half == below:
+            return OF_LAWS
+        unknown: float = ((below / out) ** 2.5 - 1.0) / ((below / half) ** 2.5 - 1.0)
         return max(OF_LAWS, WAYS_OUT * unknown)
 
     def _way_out(self, below: float, q: Configuration, t: float) -> float:
@@ -90,16 +96,14 @@ class StokesModel:
             return below
         return way_out(q, self._around(q, t), below, tuple(boundary_of(self.case, t).velocities))
 
-    def _of_narrower_gaps(self, below: float, q: Configuration, t: float, motion: Motion) -> StokesSolution:
-        """The flow in which laws act below this gap, a part of that of the case."""
-        narrower = self.case.lubrication.model_copy(update={"below": below})
-        model = StokesModel(self.case.model_copy(update={"lubrication": narrower}))
-        return model.of_degree(self.options.degree, q, t, motion)
-
     def _parts(self, below: float, q: Configuration) -> tuple[float, ...]:
-        """Of the gap below which laws act: half of it tells most of what they miss.
+        """Of the way to where laws have the bodies: half of it tells most of what they miss.
 
-        Where a body has little room in a round wall that may cancel by chance, and a quarter tells as well.
+        All gaps are opened by the same part. With half of c instead narrow ones would still be opened and
+        others no longer, whose errors may have opposite signs and in that difference cancel.
+
+        Where a body has little room in a round wall what c and half-way miss may be alike by chance, and a
+        quarter tells as well.
         """
         spheres = [sphere.radius for sphere in self.case.container().spheres if sphere is not None]
         tight = len(spheres) > 0 and min(spheres) - q.radii.max(initial=0.0) < ROOM * below
@@ -115,7 +119,7 @@ class StokesModel:
     ) -> StepErrors:
         """The estimated errors of an instant of this model at q and t; a solve or two more, collective.
 
-        Where laws act below a gap one more solve or two, with parts of this gap, tell what they miss.
+        Where laws act below a gap one more solve or two, with bodies moved apart less, tell what they miss.
 
         motion: what held and drove the bodies; None: that of the case at this instant. Raises MeshError,
         SolveError: as for the flow, with the other degree.
@@ -133,8 +137,9 @@ class StokesModel:
         ]
         if (below := self.case.lubrication.below) is not None:
             factor = self._factor_of_laws(below, q, t)
-            flows = (self._of_narrower_gaps(part * below, q, t, motion) for part in self._parts(below, q))
-            others += [Compared(flow, factor) for flow in flows]
+            for part in self._parts(below, q):
+                nearer = StokesModel(self.case, part).of_degree(self.options.degree, q, t, motion)
+                others.append(Compared(nearer, factor))
         bodies = DrivenBodies(self.case, q, t, motion, self.meshes.rounded(q, t))
         return step_errors(bodies, cast(StokesSolution, instant), *others)  # this model gave it
 
@@ -142,7 +147,7 @@ class StokesModel:
         """What the case asks for at q and t, without inertia, on a mesh in the units of the model."""
         case, boundary = self.case, boundary_of(self.case, t)
         container, mu, moment = self._around(q, t), case.fluid.viscosity, case.interaction_moment(q, t)
-        meshed = case.meshed_at(q, t)
+        meshed = self.meshes.places(q, t)
         problem = StokesProblem(
             fluid, container, meshed, motion, boundary, mu, interaction=moment, surfaces=surfaces_of(case)
         )

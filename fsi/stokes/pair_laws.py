@@ -35,6 +35,7 @@ class PairLaws:
         own: b, what walls and images move by themselves, (R,).
         resistance: kappa, force over rate, (R,).
         strains: S, the rates by a mean gradient W are S : W, (R, d, d).
+        leaning: what the pressure of a pair adds to the stresslet of i and takes from that of j, (R, d, d).
         along: what a rate has of the other side's velocity, (R, d).
         wall: the number of the wall, -1 of two bodies, (R,).
         body: i and j, twice i beside a wall, (R, 2).
@@ -49,6 +50,7 @@ class PairLaws:
     own: Array
     resistance: Array
     strains: Array
+    leaning: Array
     along: Array
     wall: NDArray[np.intp]
     body: NDArray[np.intp]
@@ -87,14 +89,21 @@ class PairLaws:
 
     def stresslets(self, forces: Array, bodies: int) -> Array:
         """f S on the bodies, (N, d, d)."""
-        S = np.zeros((bodies, *self.strains.shape[1:]))
-        for body, share in zip(self.body.T, self.share.T, strict=True):
-            np.add.at(S, body, (share * forces)[:, None, None] * self.strains)
+        S, f = np.zeros((bodies, *self.strains.shape[1:])), forces[:, None, None]
+        for body, share, sign in zip(self.body.T, self.share.T, (1.0, -1.0), strict=True):
+            np.add.at(S, body, f * (share[:, None, None] * self.strains + sign * self.leaning))
         return S
 
     def in_gaps(self, forces: Array, bodies: int) -> Array:
-        """What of that is on the way from surface to surface, (N, d, d): laws of loads do not tell it."""
-        return self.stresslets(self.gap * forces, bodies)
+        """What that has too much as loads are spread along gaps, (N, d, d): laws of loads do not tell it.
+
+        The pressure of a squeezed gap d of the plane goes with h^(-2), h = d + x^2 / (2 a_r): its mean x^2 is
+        2 a_r d. With the load F the normal stresslet on disc i is a_i F - a_r d F / a_i, d F less than its
+        share of the lever, 2 d F less beside a wall. The one along the gap, with the shear stress h p' / 2,
+        is - 2 a_i d F / (a_i + a_j), zero beside a wall: where it is more, so much is taken for both.
+        """
+        spread = replace(self, share=np.maximum(1.0, 2.0 * self.share), leaning=np.zeros_like(self.leaning))
+        return spread.stresslets(self.gap * forces, bodies)
 
     def wall_force(self, forces: Array, wall: int) -> Array:
         """What moves a wall against these forces, along it, (d - 1,)."""
@@ -131,11 +140,12 @@ def pair_laws(gaps: OpenedGaps, walls: Mapping[str, Callable[[Array], Array]], W
     carried = np.zeros_like(q.arms)
     carried[:, : q.dimension] = (gaps.meshed.centres - q.centres) @ W.T
     a, apart = q.radii[rates.body], np.linalg.norm(rates.apart, axis=1)
+    share = a / a.sum(axis=1)[:, None]
     own -= np.where(rates.meshed, rates.G @ carried.ravel(), 0.0)
     return PairLaws(
         G=rates.G, own=own, resistance=rates.resistance, strains=_strains(rates), along=rates.along,
-        wall=rates.wall, body=rates.body, meshed=rates.meshed, carried=carried,
-        share=a / a.sum(axis=1)[:, None],
+        wall=rates.wall, body=rates.body, meshed=rates.meshed, carried=carried, share=share,
+        leaning=_leaning(rates, share[:, 0]),
         gap=1.0 - np.where(rates.wall < 0, a.sum(axis=1), a[:, 0]) / apart,
     )  # fmt: skip
 
@@ -169,3 +179,25 @@ def _strains(rates: PairRates) -> Array:
             omega = [spin[0, 1]] if d == 2 else [spin[1, 2], spin[2, 0], spin[0, 1]]
             S[:, k, m] = S[:, m, k] = np.einsum("rk,rk->r", rates.along, rates.apart @ W.T) + turns @ omega
     return S
+
+
+def _leaning(rates: PairRates, share: Array) -> Array:
+    """What of the stresslet of i the pressure between two round bodies adds to its share, (R, d, d).
+
+    It has no torque about their centres. So the moment m = T + l n x F of the loads F and T about the middle
+    of the gap, at the part `share` of the way from i to j, l away, is that of the pressure p x along the gap:
+    on the one side x p n is v n with v = n x m, and - v n on the other.
+    """
+    R, d = rates.apart.shape
+    M, one = len(MODES[d]), np.arange(R)
+    loads = rates.G.reshape(R, rates.G.shape[1] // M, M)[one, rates.body[:, 0]]
+    n = rates.apart / np.linalg.norm(rates.apart, axis=1)[:, None]
+    arm, F, T = share[:, None] * rates.apart, loads[:, :d], loads[:, d:]
+    if d == 2:
+        m = T[:, 0] + arm[:, 0] * F[:, 1] - arm[:, 1] * F[:, 0]
+        v = np.stack([n[:, 1] * m, -n[:, 0] * m], axis=1)
+    else:
+        v = np.cross(n, T + np.cross(arm, F))
+    both = v[:, :, None] * n[:, None, :]
+    between = (rates.wall < 0)[:, None, None]
+    return np.where(between, -0.5 * (both + both.swapaxes(1, 2)), 0.0)

@@ -27,6 +27,16 @@ from fsi.stokes.problem import StokesProblem, wall_area
 from fsi.stokes.solvers.system import NodalSolution, StokesSystem, wall_force
 
 
+def _with_level(in_gaps: Array, volumes: Array, volume: float) -> Array:
+    """Of stresslets (N, d, d) what laws leave open, with the level of the pressure, whose mean is zero.
+
+    Of a squeezed gap d of the plane the integral of p over it is 2 d F, the trace of what they leave open: so
+    much less over all of the fluid presses on bodies of these volumes (N,) everywhere.
+    """
+    of_fluid = float(np.trace(in_gaps.sum(axis=0))) / (volume - float(volumes.sum()))
+    return np.asarray(in_gaps + of_fluid * volumes[:, None, None] * np.eye(in_gaps.shape[1]))
+
+
 def bulk_stress(system: StokesSystem, solution: NodalSolution, on_bodies: Array) -> BulkStress:
     """Sigma and its parts; collective.
 
@@ -46,7 +56,7 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, on_bodies: Array)
     laws, f = problem.laws, solution.law_forces
     if laws is not None:
         S += laws.stresslets(f, len(q))
-    in_gaps = None if laws is None else laws.in_gaps(f, len(q))
+    in_gaps = None if laws is None else _with_level(laws.in_gaps(f, len(q)), q.volumes, volume)
     carried = np.zeros((d, d)) if problem.interaction is None else 0.0 - problem.interaction / volume
     bulk = BulkStress(fluid, S, carried, volume, None, in_gaps=in_gaps)
     E = problem.mean_strain_rate

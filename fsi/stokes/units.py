@@ -142,7 +142,7 @@ class Units:
         own, resistance = laws.own / a, laws.resistance * (a / self.force)
         carried = laws.carried / self.velocities(q.dimension)
         scaled = replace(laws, G=G, own=own, resistance=resistance, carried=carried)
-        return replace(scaled, strains=laws.strains / a)
+        return replace(scaled, strains=laws.strains / a, leaning=laws.leaning / a)
 
     def _scaled_boundary(self, boundary: Boundary) -> Boundary:
         """Its fluxes are of a channel, in the plane per unit length."""

@@ -7,6 +7,7 @@ import pytest
 
 from fsi.case.load import parse_case
 from fsi.stokes.adapt import solve_with_errors
+from fsi.stokes.model import OF_LAWS, WAYS_OUT
 from tests.stokes.law_flows import CHANNEL, FREE, solved
 from tests.stokes.spatial_flows import LIGHT
 
@@ -66,12 +67,33 @@ def test_bars_hold_the_loads_of_unequal_spheres(motion: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("gap", [0.02, 0.005, 0.001])
 def test_bars_hold_where_gaps_shut_fluid_in(gap: float) -> None:
-    """In the corner of a box, where a disc has 0.38 to 0.001 of its force; bars were 300 times too short."""
+    """In the corner of a box, where a disc has 0.38 to 0.001 of its force; bars were 300 times too short.
+
+    With gaps that are alike what the laws miss follows from half of the way, and bars are WAYS_OUT times it.
+    By the factor of gaps opened to c/2 the error is 0.67 bars at 0.02.
+    """
     box = {"lower": [0.0, 0.0], "upper": [6.0, 6.0]}
     held = [{"name": "a", "radius": 1.0, "position": [1.0 + gap] * 2, "angular_velocity": 0.2}]
     held[0]["velocity"] = [0.3, 0.5]
     data = {"name": "laws", "domain": box, "bodies": held, "fluid": {"viscosity": 2.0}}
     found = solve_with_errors(parse_case(data | {"lubrication": {"below": 0.03}}))
     off = np.abs(found.solution.F - solved(held, None, domain=box).F)
-    assert np.all(off < found.errors.F)
-    assert np.max(off / found.errors.F) > 0.2
+    assert np.max(off / found.errors.F) == pytest.approx(1.0 / WAYS_OUT, rel=0.02)
+
+
+def test_bars_hold_where_one_gap_opens_before_another() -> None:
+    """Three spheres on an axis, the middle one held between gaps of 0.01 and 0.002; against resolved loads.
+
+    What opened gaps miss is linear in how far they move the bodies: half of it is seen half-way. The flow
+    with c/2, in which one gap alone is opened, misses as much as that with c, and the error was 2.7 bars.
+    """
+    spheres = [
+        {"name": "a", "radius": 1.0, "position": [0.0, 0.0], "velocity": [0.0, 0.7]},
+        {"name": "b", "radius": 0.6, "position": [0.0, 1.61], "velocity": [0.0, -0.4]},
+        {"name": "c", "radius": 1.4, "position": [0.0, -2.402], "force": [0.0, 3.0]},
+    ]
+    around = {"geometry": "axisymmetric", "domain": {"shape": "round", "radius": 1e5}}
+    data = {"name": "laws", "fluid": {"viscosity": 2.0}, "bodies": spheres} | around
+    found = solve_with_errors(parse_case(data | {"lubrication": {"below": 0.015}}))
+    off = abs(found.solution.F[0, 1] - solved(spheres, None, **around).F[0, 1])
+    assert off / found.errors.F[0, 1] == pytest.approx(2.0 / OF_LAWS, rel=0.02)
