@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib import import_module
-from math import ceil, comb
+from math import ceil
 from typing import Protocol
 
 import fsi.meshes.backend  # noqa: F401
@@ -199,11 +199,13 @@ def shared(tries: Mapping[str, Callable[[], CurvedCells]], domain: FluidDomain) 
     problem, quality, order, instead = comm.bcast((problem, quality, order, instead))
     if problem is not None:
         raise problem
-    # The other ranks give no cells.
-    d = container.dimension
-    topology = np.empty((0, comb(order + d, d)), dtype=np.int64) if cells is None else cells.cells
-    x = np.empty((0, d)) if cells is None else cells.nodes
-    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order, d)), x)
+    # Each gives a part of them: to find which meet which takes as long as to share them out.
+    parts = (
+        None if cells is None else [np.array_split(each, comm.size) for each in (cells.cells, cells.nodes)]
+    )
+    topology, x = comm.scatter(None if parts is None else list(zip(*parts, strict=True)))
+    element = coordinate_element(order, container.dimension)
+    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(element), x)
     tags = _facet_tags(mesh, *comm.bcast(None if cells is None else (cells.edges, cells.tags)))
     return FluidMesh(mesh, tags, len(domain.radii), container, order, quality, instead)
 

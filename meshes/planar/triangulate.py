@@ -5,7 +5,7 @@ a boundary node, and takes its sizes from them.
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import accumulate
@@ -241,8 +241,33 @@ def require_boundary(cells: Indices, facets: Indices) -> None:
 
 def side_keys(sides: Indices, n: int) -> Indices:
     """One number for each side (F, d) of cells with n vertices, in whatever order its corners are."""
-    keys: Indices = np.sort(sides, axis=1) @ n ** np.arange(sides.shape[1])[::-1]
+    keys, *others = ascending(sides.T)
+    for column in others:
+        keys = keys * n + column
     return keys
+
+
+def ascending(columns: Iterable[Indices]) -> list[Indices]:
+    """Columns (n,) with the numbers of each row in order: NumPy takes five times as long to sort so few."""
+    ordered = list(columns)
+    for end in range(len(ordered) - 1, 0, -1):
+        for k in range(end):
+            a, b = ordered[k : k + 2]
+            ordered[k : k + 2] = np.minimum(a, b), np.maximum(a, b)
+    return ordered
+
+
+def distinct(keys: Indices) -> tuple[Indices, Indices]:
+    """Where each key stands first, the keys ascending, and which of them each one is, (keys,).
+
+    As np.unique tells, which sorts so that equal ones stay in order: that takes three times as long.
+    """
+    order = np.argsort(keys)
+    in_order = keys[order]
+    new = np.concatenate([np.ones(min(1, len(keys)), dtype=bool), in_order[1:] != in_order[:-1]])
+    number = np.empty(len(keys), dtype=np.int64)
+    number[order] = np.cumsum(new) - 1
+    return np.minimum.reduceat(order, np.flatnonzero(new)), number
 
 
 def places_of(wanted: Indices, keys: Indices) -> tuple[Indices, NDArray[np.bool_]]:

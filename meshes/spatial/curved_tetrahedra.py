@@ -31,7 +31,7 @@ from fsi.arrays import Array, Indices
 from fsi.meshes.cells.curved import CurvedCells, along_side, barycentric, reference_points
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
-from fsi.meshes.planar.triangulate import StraightCells, places_of
+from fsi.meshes.planar.triangulate import StraightCells, ascending, distinct, places_of, side_keys
 
 type RoundSurface = Sphere | PlacedEllipsoid
 
@@ -48,7 +48,12 @@ def curve_tets(straight: StraightCells, spheres: Mapping[int, RoundSurface], ord
         spheres: the surface of a tag, where that is curved.
         order: 1 ... 4.
     """
-    x, weights = curved_places(straight, spheres, order), barycentric(reference_points(order, 3))
+    return joined(straight, curved_places(straight, spheres, order), order)
+
+
+def joined(straight: StraightCells, x: Array, order: int) -> CurvedCells:
+    """Cells with the nodes x (T, nodes, 3) of each."""
+    weights = barycentric(reference_points(order, 3))
     nodes, cells = _numbered(x, straight.cells, np.rint(order * weights).astype(np.int64))
     nodes[: len(straight.vertices)] = straight.vertices
     return CurvedCells(nodes, cells, straight.facets, straight.tags, order)
@@ -84,8 +89,9 @@ def _bent(
     straight: StraightCells, tag: int, surface: RoundSurface, order: int
 ) -> tuple[Indices, Array, Indices, Array]:
     """Edges (E, 2) of a surface and how they bend, its facets (F, 3) and coefficients of their bubbles."""
-    faces = np.sort(straight.facets[straight.tags == tag], axis=1)
-    edges = np.unique(faces[:, [0, 1, 0, 2, 1, 2]].reshape(-1, 2), axis=0)
+    faces, n = np.column_stack(ascending(straight.facets[straight.tags == tag].T)), len(straight.vertices)
+    keys = np.unique(side_keys(faces[:, [0, 1, 0, 2, 1, 2]].reshape(-1, 2), n))
+    edges = np.column_stack(np.divmod(keys, n))
     ends, corners = (surface.unstretched(straight.vertices[some]) for some in (edges, faces))
     bends, bubbles = _edge_bends(ends, surface.unit, order), np.empty((len(faces), 0, 3))
     if order > 2:
@@ -176,17 +182,17 @@ def _numbered(x: Array, tets: Indices, weights: Indices) -> tuple[Array, Indices
 
     A node is known by its barycentric coordinates, in steps of 1 / order, to vertices: `weights` (nodes, 4).
     """
-    order, n = int(weights[0].sum()), int(tets.max()) + 1
+    n = int(tets.max()) + 1
     corners = np.array([np.repeat(np.arange(4), w) for w in weights])
     inner = slice(4, None)
-    ids = np.sort(tets[:, corners[inner]], axis=2).reshape(-1, order)
-    key, names = ids[:, 0], n
-    for column in ids.T[1:]:
+    key, *others = ascending(tets[:, column].ravel() for column in corners[inner].T)
+    names = n
+    for column in others:
         if names > LARGEST // n:
-            found, key = np.unique(key, return_inverse=True)
-            names = len(found)
+            first, key = distinct(key)
+            names = len(first)
         key, names = key * n + column, names * n
-    _, first, number = np.unique(key, return_index=True, return_inverse=True)
+    first, number = distinct(key)
     cells = np.concatenate([tets, n + number.reshape(len(tets), -1)], axis=1)
     nodes = np.empty((n + len(first), 3))
     nodes[tets] = x[:, :4]

@@ -17,7 +17,7 @@ import scipy  # its modules load when they are used
 from fsi.arrays import Array, Indices
 from fsi.meshes.cells.curved import CurvedCells, barycentric, reference_points
 from fsi.meshes.geometry.container import lengths
-from fsi.meshes.planar.triangulate import StraightCells, places_of, side_keys
+from fsi.meshes.planar.triangulate import StraightCells, ascending, places_of, side_keys
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.halved import EDGES
 
@@ -109,7 +109,7 @@ def _means(cells: StraightCells) -> Array:
     """Of the neighbours of each vertex, weighted by one over their distance."""
     x, n = cells.vertices, len(cells.vertices)
     # Each edge once, at its lower end, however many cells share it.
-    low, high = np.sort(cells.cells[:, EDGES].reshape(-1, 2), axis=1).T
+    low, high = (ends.ravel() for ends in ascending(np.moveaxis(cells.cells[:, EDGES], 2, 0)))
     half = scipy.sparse.csr_array((np.ones(len(low)), (low, high)), shape=(n, n))
     half.sum_duplicates()
     a, b = np.repeat(np.arange(n), np.diff(half.indptr)), half.indices

@@ -21,7 +21,7 @@ from fsi.arrays import Array, Indices
 from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
 from fsi.meshes.geometry.container import lengths
 from fsi.meshes.planar.triangulate import StraightCells
-from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, bent_cells, curve_tets, curved_places
+from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, bent_cells, curve_tets, curved_places, joined
 
 WANTED = 2.0 * WORST_ACCEPTED  # of the cells of a mesh that is mended at all
 SWEEPS = 20
@@ -34,12 +34,12 @@ AT_ONCE = 20_000  # cells that are tried together: calls of NumPy take longer th
 
 def curved_and_valid(straight: StraightCells, spheres: Mapping[int, RoundSurface], order: int) -> CurvedCells:
     """`curve_tets`, with vertices moved where cells would not be valid, as far as that helps."""
-    tangle, bent = _Tangle(straight, spheres, order), bent_cells(straight, spheres)
+    x, bent = curved_places(straight, spheres, order), bent_cells(straight, spheres)
     quality = np.ones(len(straight.cells))
-    quality[bent] = tangle.quality(straight.vertices, bent)
+    quality[bent] = scaled_jacobian(x[bent], order)
     if not 0 < np.sum(quality <= WORST_ACCEPTED) <= MOST * len(quality):
-        return curve_tets(straight, spheres, order)
-    vertices, idle = straight.vertices.copy(), 0
+        return joined(straight, x, order)
+    tangle, vertices, idle = _Tangle(straight, spheres, order), straight.vertices.copy(), 0
     for _ in range(SWEEPS):
         bad = np.flatnonzero(quality <= WANTED)
         movable = tangle.apart(bad[np.argsort(quality[bad])])

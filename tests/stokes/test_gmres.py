@@ -40,13 +40,24 @@ def test_solvers_and_forms_agree(usual: StokesSolution) -> None:
     assert direct.F[1, 3] == pytest.approx(0.2, abs=1e-12)
 
 
-def test_a_coarse_matrix_may_be_left_to_multigrid(
+def test_a_coarse_matrix_may_be_left_to_aggregates(
     usual: StokesSolution, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("fsi.stokes.solvers.multigrid.MOST_FACTORISED", 0)
+    aggregates = solved(case(BOX, solver="iterative"))
+    assert_allclose(aggregates.F, usual.F, atol=1e-9 * np.abs(usual.F).max())
+    assert aggregates.iterations <= usual.iterations + 2
+
+
+def test_pressures_in_films_may_be_left_to_cycles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Smoothed by the diagonal alone these take 86 iterations, 36 with factors."""
+    above = {"name": "ball", "radius": 1.0, "position": [0.0, 0.0, -1.999], "force": [0.1, 0.0, -1.0]}
+    film = BOX | {"bodies": [above]}
+    usual = solved(case(film, solver="iterative"))
     monkeypatch.setattr("fsi.stokes.solvers.gmres.MOST_FACTORISED", 0)
-    multigrid = solved(case(BOX, solver="iterative"))
-    assert_allclose(multigrid.F, usual.F, atol=1e-9 * np.abs(usual.F).max())
-    assert multigrid.iterations < 1.5 * usual.iterations
+    cycles = solved(case(film, solver="iterative"))
+    assert_allclose(cycles.F, usual.F, atol=1e-9 * np.abs(usual.F).max())
+    assert cycles.iterations <= 1.5 * usual.iterations
 
 
 def test_iterations_do_not_grow_with_the_mesh(usual: StokesSolution) -> None:

@@ -16,7 +16,7 @@ type Numbers = NDArray[np.int32]
 def loops() -> Any:
     """The loops in machine code, with `ffi` and `lib`; collective."""
     graph = ("supervariables", "parts", "dissection", "merging")
-    names = ("cells", "rows", "pattern", *graph, "groups", "components")
+    names = ("cells", "rows", "pattern", *graph, "groups", "components", "aggregates")
     sources = [Path(__file__).with_name(name) for name in names]
     return compile_c("fsi_cells", sources)
 

@@ -13,7 +13,8 @@ Every velocity of degree d - 1 on a mesh is one of degree d: its nodal values th
 the constraints of its degree (zero on the walls, rigid on the bodies, images tied) these are P z, where z are
 its values at free nodes and the modes of the bodies. So the columns of I P carry one level into the next.
 Narrow gaps, where cells are longer than wide, do no harm: what one level does not know of the next is within
-single cells.
+single cells. Below the coarsest mesh is a level of aggregates (see `aggregation`) where that has more than
+MOST_FACTORISED unknowns.
 """
 
 from __future__ import annotations
@@ -22,16 +23,13 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from types import TracebackType
 
-from fsi.meshes.backend import petsc_forms
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import scipy  # its modules load when they are used
 from dolfinx import fem
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.arrays import Array
-from fsi.bodies.configuration import rigid_motion
 from fsi.meshes.build import FunctionSpace
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, dof_layout, rigid_modes
 from fsi.stokes.discretisation.forms import Forms
@@ -39,10 +37,13 @@ from fsi.stokes.discretisation.images import tied
 from fsi.stokes.discretisation.nodes import locate
 from fsi.stokes.pair_laws import PairLaws
 from fsi.stokes.problem import StokesProblem
+from fsi.stokes.solvers.aggregation import aggregated
 from fsi.stokes.solvers.components import COMPONENTS, projected
 from fsi.stokes.solvers.reduced import add_to_modes
+from fsi.stokes.solvers.transfers import transfer
 
 MIDDLE = 1.5
+MOST_FACTORISED = 20_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,12 +56,10 @@ class Levels(AbstractContextManager["Levels"]):
             before, but a product of matrices takes longer than to add up its cells, on several ranks many
             times as long.
         transfers: from each level to the next finer one, the finest first.
-        translations: of everything, in z of the coarsest, this rank's rows, (rows, 3).
     """
 
     matrices: list[PETSc.Mat]
     transfers: list[PETSc.Mat]
-    translations: Array
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -78,18 +77,14 @@ def levels(problem: StokesProblem, forms: Forms) -> Levels:
         coarser = fem.functionspace(forms.mesh, ("Lagrange", degree, (COMPONENTS,)))
         P.matrix.destroy()
         layout_of_coarser, P = _constrained(problem, coarser)
-        interpolation = petsc_forms().interpolation_matrix(coarser, space)
-        interpolation.assemble()
-        nodal = interpolation.matMult(P.matrix)
-        transfers.append(_transfer(nodal, layout.free, held))
-        for used in (interpolation, nodal):
-            used.destroy()
+        transfers.append(transfer(space, layout, coarser, P, held))
         space, layout = coarser, layout_of_coarser
         matrices.append(_approximate(problem, forms.gradients(space, degree), P, layout))
     P.matrix.destroy()
-    of_nodes = np.tile(np.eye(COMPONENTS), (int(layout.free.sum()) // COMPONENTS, 1))
-    of_bodies = rigid_motion(problem.q.centres)[..., :COMPONENTS].reshape(layout.modes, COMPONENTS)
-    return Levels(matrices, transfers, np.concatenate([of_nodes, of_bodies[: layout.modes_here]]))
+    if matrices[-1].size[0] > MOST_FACTORISED:
+        transfers.append(aggregated(matrices[-1], layout.modes_here))
+        matrices.append(matrices[-1].ptap(transfers[-1]))
+    return Levels(matrices, transfers)
 
 
 def _approximate(
@@ -135,22 +130,3 @@ def _constrained(problem: StokesProblem, space: FunctionSpace) -> tuple[DofLayou
     P = Prolongation(layout, rigid, np.ones(layout.modes, dtype=bool))
     rigid.matrix.destroy()
     return layout, P
-
-
-def _transfer(nodal: PETSc.Mat, free: NDArray[np.bool_], held: NDArray[np.bool_]) -> PETSc.Mat:
-    """From z of one level to that of the next; collective.
-
-    nodal: from z to all nodal values of the next. free: which of this rank's rows there are unknowns. held:
-    modes that move nothing but themselves, (M N,).
-    """
-    indptr, column, value = nodal.getValuesCSR()
-    first_mode = nodal.getOwnershipRangesColumn()[1] - len(held)
-    value[np.isin(column, first_mode + np.flatnonzero(held))] = 0.0
-    T = scipy.sparse.csr_matrix((value, column, indptr), shape=(len(free), nodal.size[1]))[free]
-    T.eliminate_zeros()
-    if nodal.comm.rank == 0:
-        modes = scipy.sparse.eye_array(len(held), nodal.size[1], k=first_mode, format="csr")
-        T = scipy.sparse.vstack([T, modes], "csr")
-    size = ((T.shape[0], None), (nodal.getLocalSize()[1], None))
-    csr = (T.indptr.astype(PETSc.IntType), T.indices.astype(PETSc.IntType), T.data)
-    return PETSc.Mat().createAIJ(size=size, csr=csr, comm=nodal.comm)
