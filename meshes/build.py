@@ -199,7 +199,7 @@ def shared(tries: Mapping[str, Callable[[], CurvedCells]], domain: FluidDomain) 
     problem, quality, order, instead = comm.bcast((problem, quality, order, instead))
     if problem is not None:
         raise problem
-    # Each gives a part of them: to find which meet which takes as long as to share them out.
+    # Each rank gives some of them, whichever: with all on one this alone would find which of them meet.
     parts = (
         None if cells is None else [np.array_split(each, comm.size) for each in (cells.cells, cells.nodes)]
     )
