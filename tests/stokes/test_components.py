@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import fsi.meshes.backend  # noqa: F401
@@ -39,6 +40,14 @@ def vectors(scalar: PETSc.Mat) -> PETSc.Mat:
     return PETSc.Mat().createAIJ(size=(size, size), csr=csr, comm=scalar.comm)
 
 
+def solve_with(name: str, part: str, function: Callable[..., PETSc.Mat]) -> None:
+    """Solve one of the cases, with another function as this one of the multigrid; collective."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(multigrid, part, function)
+        one = CASES[name]
+        StokesModel(one)(one.configuration(), 0.0)
+
+
 def differences(name: str) -> list[float]:
     """Of both on all levels, relative to the entries; collective."""
     found = list[float]()
@@ -51,10 +60,7 @@ def differences(name: str) -> list[float]:
         found.append(products.norm(PETSc.NormType.INFINITY) / by_rows.norm(PETSc.NormType.INFINITY))
         return by_rows
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(multigrid, "projected", compared)
-        one = CASES[name]
-        StokesModel(one)(one.configuration(), 0.0)
+    solve_with(name, "projected", compared)
     return found
 
 

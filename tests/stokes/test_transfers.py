@@ -11,11 +11,9 @@ from petsc4py import PETSc
 
 from fsi.meshes.build import FunctionSpace
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation
-from fsi.stokes.model import StokesModel
-from fsi.stokes.solvers import multigrid
 from fsi.stokes.solvers.transfers import transfer
 from tests.ranks import needs_mpi, result_on
-from tests.stokes.test_components import CASES
+from tests.stokes.test_components import CASES, solve_with
 
 type Held = NDArray[np.bool_]
 
@@ -43,10 +41,7 @@ def misfits(name: str) -> list[float]:
         assert T.size == (layout.comm.allreduce(len(expected)) + layout.modes, P.matrix.size[1])
         return T
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(multigrid, "transfer", compared)
-        one = CASES[name]
-        StokesModel(one)(one.configuration(), 0.0)
+    solve_with(name, "transfer", compared)
     return found
 
 
